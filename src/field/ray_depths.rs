@@ -1,0 +1,60 @@
+//! The disparity of every ray.
+
+use super::{FieldError, ViewGrid, ViewIndex, check_len};
+
+/// Disparity of every ray: pixels that a point moves per view step, not metres. Larger is nearer.
+///
+/// # Shapes
+/// - `disparity_px`: `[v, u, y, x]`, in pixels of this size
+#[derive(Clone, Debug, PartialEq)]
+pub struct RayDepths {
+    grid: ViewGrid,
+    size: [u32; 2],
+    disparity_px: Vec<f32>,
+}
+
+impl RayDepths {
+    /// Ray depths of a grid of views of `[width, height]` pixels.
+    pub fn new(grid: ViewGrid, size: [u32; 2], disparity_px: Vec<f32>) -> Result<Self, FieldError> {
+        let plane = size[0] as usize * size[1] as usize;
+        check_len("the ray depths", grid.count() * plane, disparity_px.len())?;
+        Ok(Self { grid, size, disparity_px })
+    }
+
+    /// Rows and columns of views.
+    pub fn grid(&self) -> ViewGrid {
+        self.grid
+    }
+
+    /// Width and height of one map, in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// All maps, `[v, u, y, x]`.
+    pub fn disparity_px(&self) -> &[f32] {
+        &self.disparity_px
+    }
+
+    /// The map of one view, `[y, x]`.
+    pub fn view(&self, at: ViewIndex) -> &[f32] {
+        let plane = self.size[0] as usize * self.size[1] as usize;
+        let start = self.grid.layer_from_view(at) * plane;
+        &self.disparity_px[start..start + plane]
+    }
+
+    /// The map of the reference view, `[y, x]`.
+    pub fn reference(&self) -> &[f32] {
+        self.view(self.grid.reference())
+    }
+
+    /// Disparity of one ray.
+    pub fn at(&self, view: ViewIndex, x: u32, y: u32) -> f32 {
+        self.view(view)[y as usize * self.size[0] as usize + x as usize]
+    }
+
+    /// Least and greatest disparity over all rays.
+    pub fn range_px(&self) -> [f32; 2] {
+        self.disparity_px.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], &d| [lo.min(d), hi.max(d)])
+    }
+}

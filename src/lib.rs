@@ -1,0 +1,26 @@
+//! Plenoscope turns one photo into a 4-D RGBD light field, to look into and to refocus.
+//!
+//! The way of the data, which is also the order to read the code in:
+//!
+//! ```text
+//! file ─io::open─► Photo ─synth─► RayDepths + LightField ─render─► picture ─io::save─► file
+//! ```
+//!
+//! * [`field`]: the nouns (photo, view, light field, ray depths, lens) and the conventions they share.
+//! * [`io`]: files in, files out.
+//! * [`synth`]: depth net → Lambertian rendering → occlusion net (ONNX, run by tract).
+//! * [`kernel`]: the direct convolution that inference and training share.
+//! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
+//! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
+//! * [`job`]: progress and cancel, for every long computation.
+//!
+//! The library computes; the front doors (window, command line, trainer) listen.
+
+pub mod field;
+pub mod io;
+pub mod job;
+pub mod kernel;
+pub mod render;
+pub mod synth;
+#[cfg(feature = "ui")]
+pub mod ui;
