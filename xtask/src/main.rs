@@ -1,2 +1,82 @@
-#![allow(missing_docs)]
-fn main() {}
+//! Chores that need more than a line of shell: `cargo xtask test`, `cargo xtask bench`.
+
+mod onnxruntime;
+mod system;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result, bail};
+
+const USAGE: &str = "usage: cargo xtask test [ARG…]    all tests, tract against ONNX Runtime among them
+       cargo xtask bench [ARG…]   plenoscope bench with ONNX Runtime beside it
+       cargo xtask onnxruntime    fetches ONNX Runtime and prints where it is
+
+ARG… go to `cargo test` and to `plenoscope bench`.";
+
+fn main() -> ExitCode {
+    let mut args = std::env::args().skip(1);
+    let task = args.next().unwrap_or_default();
+    let rest: Vec<String> = args.collect();
+    let done = match task.as_str() {
+        "test" => test(&rest),
+        "bench" => bench(&rest),
+        "onnxruntime" => onnxruntime::library(&root()).map(|path| say(&path.display().to_string())),
+        _ => Err(anyhow::anyhow!("{USAGE}")),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs the whole test suite. Where ONNX Runtime cannot be had the cross-check is skipped, loudly; in CI that fails.
+fn test(args: &[String]) -> Result<()> {
+    let root = root();
+    system::ensure()?;
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(&root).args(["test", "--workspace", "--no-fail-fast"]);
+    match onnxruntime::library(&root) {
+        Ok(path) => {
+            eprintln!("xtask: tract is checked against ONNX Runtime {} ({})", onnxruntime::VERSION, path.display());
+            cargo.args(["--features", "plenoscope/onnxruntime"]).env("ORT_DYLIB_PATH", path);
+        }
+        Err(error) if std::env::var_os("CI").is_some() => {
+            return Err(error.context("without ONNX Runtime there is no cross-check, and CI must have it"));
+        }
+        Err(error) => eprintln!("\nxtask: SKIPPED: tract is NOT checked against ONNX Runtime: {error:#}\n"),
+    }
+    run(cargo.args(args))
+}
+
+/// Runs `plenoscope bench` with ONNX Runtime timed on the same files.
+fn bench(args: &[String]) -> Result<()> {
+    let root = root();
+    let library = onnxruntime::library(&root)?;
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(&root).args(["run", "--release", "--package", "plenoscope-app", "--features", "onnxruntime"]);
+    run(cargo.args(["--", "bench"]).args(args).env("ORT_DYLIB_PATH", library))
+}
+
+/// Runs a command to its end; an error unless it succeeds.
+fn run(command: &mut Command) -> Result<()> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let status = command.status().with_context(|| format!("cannot start {name}"))?;
+    if !status.success() {
+        bail!("{name} failed ({status})");
+    }
+    Ok(())
+}
+
+/// The repository's root.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_path_buf)
+}
+
+#[allow(clippy::print_stdout, reason = "a program's answer belongs on stdout")]
+fn say(text: &str) {
+    println!("{text}");
+}

@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# All that is checked beside the tests, the quick things first. `scripts/check.sh --fast` leaves the compiler out.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+failed=0
+
+# check NAME COMMAND…: runs it, shows what it says only when it fails.
+check() {
+    local name=$1 said
+    shift
+    if said=$("$@" 2>&1); then
+        echo "ok    $name"
+    else
+        printf '%s\n' "$said" | tail -n 60
+        echo "FAIL  $name"
+        failed=1
+    fi
+}
+
+# only_in PATTERN WHERE…: no Rust file outside the pathspecs WHERE names PATTERN.
+only_in() {
+    local pattern=$1
+    shift
+    ! git grep -nE "$pattern" -- '*.rs' ':!tests/' ':!benches/' ':!**/tests/' "${@/#/:!}"
+}
+
+long_files() {
+    ! git ls-files '*.rs' '*.wgsl' | xargs wc -l | awk '$2 != "total" && $1 > 800 { print $2 " has " $1 " lines, more than 800"; bad = 1 } END { exit !bad }'
+}
+
+headless_files() {
+    ! git ls-files '*.rs' | while read -r file; do
+        grep -qE '^//!' "$file" || echo "$file does not say at its head what it is (//!)"
+    done | grep .
+}
+
+large_files() {
+    ! git ls-files -z | xargs -0 du -k | awk '$1 > 12288 { print $2 " is larger than 12 MiB"; bad = 1 } END { exit !bad }'
+}
+
+no_machine_paths() {
+    ! git grep -nIE '(^|[^[:alnum:]_.])/(home|Users|root|work)/[[:alnum:]]' -- . ':!*.lock' ':!scripts/check.sh'
+}
+
+check "formatting" cargo fmt --all --check
+check "tract only in synth/tract and the trainer's export" only_in '\btract(_onnx|_core|_linalg|_data|_hir)\b' 'src/synth/tract*' 'src/train/export*' 'src/train/*/export*'
+check "wgpu only in render/gpu, render/lens/gpu and ui" only_in '\bwgpu::' src/render/gpu 'src/render/lens/gpu*' src/ui
+check "egui only in ui and render/gpu/present" only_in '\b(egui|eframe|egui_wgpu)::' src/ui 'src/render/gpu/present*'
+check "burn only in the trainer" only_in '\bburn::' src/train
+check "unsafe only in the kernel" only_in '\bunsafe\b *(\{|fn|impl|trait|extern)' src/kernel
+check "ONNX Runtime only behind its feature" only_in '\bort::' 'src/bench*'
+check "no file over 800 lines" long_files
+check "every file says what it is" headless_files
+check "no large file" large_files
+check "no path of somebody's machine" no_machine_paths
+
+if [ "${1:-}" != "--fast" ]; then
+    # The features of `cargo xtask test`, so that what is compiled here is compiled once.
+    check "clippy" cargo clippy --quiet --workspace --all-targets --features plenoscope/onnxruntime -- -D warnings
+    check "documentation" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --workspace --no-deps --document-private-items
+    command -v typos >/dev/null && check "typos" typos
+    cargo deny --version >/dev/null 2>&1 && check "licences and sources of dependencies" cargo deny --log-level error check
+fi
+exit "$failed"
