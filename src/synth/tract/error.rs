@@ -1,0 +1,87 @@
+//! What can go wrong between an ONNX file and its answer.
+
+use tract_onnx::pb::{ModelProto, TensorProto, tensor_proto::DataType};
+use tract_onnx::prelude::TractError;
+
+/// A net could not be made ready or run.
+#[derive(Debug, thiserror::Error)]
+pub enum EngineError {
+    /// The bytes are no ONNX model.
+    #[error("the model cannot be read — it is no ONNX file or it is damaged ({detail}) — get it again")]
+    Parse {
+        /// tract's words.
+        detail: String,
+    },
+    /// The model has an operator or attribute that tract does not know.
+    #[error("the model cannot be used — it asks for something that is not supported ({detail}) — export it anew")]
+    Unsupported {
+        /// tract's words.
+        detail: String,
+    },
+    /// The model does not take inputs of this shape.
+    #[error("the model does not take an input of {shape:?} ({detail}) — check the inputs in its manifest")]
+    Shape {
+        /// The shape that was asked for.
+        shape: Vec<usize>,
+        /// tract's words.
+        detail: String,
+    },
+    /// A weight is NaN or infinite.
+    #[error("the model's weights {name:?} are not all finite numbers — its training failed — train or get it again")]
+    NotFinite {
+        /// The name of the tensor in the file.
+        name: String,
+    },
+    /// The net stopped in the middle.
+    #[error("the net stopped ({detail})")]
+    Run {
+        /// tract's words.
+        detail: String,
+    },
+    /// The system gave no threads.
+    #[error("no threads to run the net on — the system's limit is reached — close other programs")]
+    Threads {
+        /// The reason.
+        source: rayon::ThreadPoolBuildError,
+    },
+    /// The caller asked to stop.
+    #[error("stopped")]
+    Cancelled,
+}
+
+impl EngineError {
+    pub(super) fn parse(source: TractError) -> Self {
+        Self::Parse { detail: one_line(&source) }
+    }
+
+    pub(super) fn unsupported(source: TractError) -> Self {
+        Self::Unsupported { detail: one_line(&source) }
+    }
+
+    pub(super) fn shape(shape: &[usize], source: TractError) -> Self {
+        Self::Shape { shape: shape.to_vec(), detail: one_line(&source) }
+    }
+
+    pub(super) fn run(source: TractError) -> Self {
+        Self::Run { detail: one_line(&source) }
+    }
+}
+
+/// The whole chain of causes in one line.
+fn one_line(source: &TractError) -> String {
+    format!("{source:#}").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Refuses a model with a weight that is NaN or infinite.
+pub(super) fn check_weights(model: &ModelProto) -> Result<(), EngineError> {
+    let weights = model.graph.iter().flat_map(|graph| &graph.initializer);
+    match weights.into_iter().find(|tensor| !is_finite(tensor)) {
+        Some(tensor) => Err(EngineError::NotFinite { name: tensor.name.clone() }),
+        None => Ok(()),
+    }
+}
+
+fn is_finite(tensor: &TensorProto) -> bool {
+    let raw = tensor.raw_data.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    tensor.data_type != DataType::Float as i32 || tensor.float_data.iter().copied().chain(raw).all(f32::is_finite)
+}

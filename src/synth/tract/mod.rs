@@ -1,0 +1,110 @@
+//! The only place that knows tract: a plain ONNX file becomes a [`Runnable`] for one input shape.
+//!
+//! ```text
+//! ONNX bytes ─parse─► typed model at a fixed shape ─rewrite─► direct convolutions ─optimise─► Runnable
+//! ```
+//!
+//! Optimising costs 20–100 ms and is bound to the shape, so whoever runs a net often keeps its `Runnable`.
+
+mod error;
+mod options;
+mod threads;
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use tract_linalg::multithread::{Executor, multithread_tract_scope};
+use tract_onnx::prelude::*;
+use tract_onnx::tract_core::internal::DimLike as _;
+
+pub use error::EngineError;
+pub use options::{Options, Path};
+
+use crate::job::Cancel;
+
+/// A net made ready for one input shape. Cheap to clone; may be run from several threads at once.
+#[derive(Clone, Debug)]
+pub struct Runnable {
+    plan: Arc<TypedRunnableModel>,
+    input_shape: Vec<usize>,
+    output_shape: Vec<usize>,
+    threads: usize,
+}
+
+/// What a net answered: its values in the order of the ONNX file's output, `[1, C, (V·U,) H, W]`.
+#[derive(Clone, Debug)]
+pub struct Output(Arc<Tensor>);
+
+impl Output {
+    /// Lengths of the axes.
+    pub fn shape(&self) -> &[usize] {
+        self.0.shape()
+    }
+}
+
+impl Deref for Output {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        self.0.try_as_plain_ram().and_then(|view| view.as_slice::<f32>()).unwrap_or_default()
+    }
+}
+
+/// Makes the net in the bytes of an ONNX file ready to run on inputs of `input_shape`.
+///
+/// # Errors
+/// Bytes that are no ONNX model, an operator that is not known, a shape that the net does not take, weights that
+/// are not finite.
+pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
+    let proto = onnx().proto_model_for_read(&mut &onnx_bytes[..]).map_err(EngineError::parse)?;
+    error::check_weights(&proto)?;
+    let fact = f32::fact(input_shape).into();
+    let shape_error = |source| EngineError::shape(input_shape, source);
+    let model = onnx()
+        .with_ignore_output_shapes(true)
+        .model_for_proto_model(&proto)
+        .map_err(EngineError::unsupported)?
+        .with_input_fact(0, fact)
+        .and_then(|model| model.into_typed())
+        .and_then(|model| model.into_decluttered())
+        .map_err(shape_error)?;
+    let plan = model.into_optimized().and_then(|model| model.into_runnable()).map_err(shape_error)?;
+    let output_shape = output_shape(&plan).map_err(shape_error)?;
+    Ok(Runnable { plan, input_shape: input_shape.to_vec(), output_shape, threads: options.threads })
+}
+
+fn output_shape(plan: &TypedRunnableModel) -> TractResult<Vec<usize>> {
+    plan.model().output_fact(0)?.shape.iter().map(|dim| Ok(dim.to_usize()?)).collect()
+}
+
+impl Runnable {
+    /// The shape that [`run`](Self::run) takes.
+    pub fn input_shape(&self) -> &[usize] {
+        &self.input_shape
+    }
+
+    /// The shape that [`run`](Self::run) answers.
+    pub fn output_shape(&self) -> &[usize] {
+        &self.output_shape
+    }
+
+    /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)).
+    ///
+    /// `cancel` is looked at between blocks of rows of the direct convolutions.
+    ///
+    /// # Errors
+    /// [`EngineError::Cancelled`]; [`EngineError::Run`] where the input does not have the length of the shape.
+    pub fn run(&self, input: &[f32], cancel: &Cancel) -> Result<Output, EngineError> {
+        let stop = || if cancel.is_cancelled() { Err(EngineError::Cancelled) } else { Ok(()) };
+        stop()?;
+        let input = Tensor::from_shape(&self.input_shape, input).map_err(EngineError::run)?;
+        let outputs = threads::pool(self.threads)?
+            .install(|| multithread_tract_scope(Executor::RayonGlobal, || self.plan.run(tvec!(input.into_tvalue()))));
+        stop()?;
+        let output = outputs.map_err(EngineError::run)?.remove(0).into_arc_tensor();
+        Ok(Output(output))
+    }
+}
+
+#[cfg(test)]
+mod tests;
