@@ -16,6 +16,7 @@
 //! * **Light.** Stored pixels are sRGB-encoded; wherever light is summed it is linear.
 
 pub mod color;
+mod disparity_map;
 mod grid;
 mod lens;
 mod light_field;
@@ -23,6 +24,7 @@ mod photo;
 mod ray_depths;
 mod view;
 
+pub use disparity_map::DisparityMap;
 pub use grid::{ViewGrid, ViewIndex, ViewOffset};
 pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};

@@ -1,0 +1,92 @@
+//! What can go wrong on the way from a photo to a light field.
+
+use std::path::PathBuf;
+
+use crate::field::FieldError;
+use crate::job::Cancelled;
+
+/// A model that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The program was built without it.
+    #[error(
+        "this program was built without {path} — put the models into models/ and build again, or name a folder with --models"
+    )]
+    NotEmbedded {
+        /// Path below `models/`.
+        path: String,
+    },
+    /// A file is missing or cannot be read.
+    #[error("a model's file cannot be read — {source} — choose a folder with models.toml and its models: {}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A manifest that does not say what it must.
+    #[error("a model's manifest is not valid — {why} — correct it: {place}")]
+    Manifest {
+        /// Where it lies.
+        place: String,
+        /// What is wrong.
+        why: String,
+    },
+    /// The checksum differs.
+    #[error(
+        "model {id} is not the file its manifest describes — its checksum differs — fetch the model again: {place}"
+    )]
+    Tampered {
+        /// Name of the model.
+        id: String,
+        /// Where it lies.
+        place: String,
+    },
+    /// Not ONNX, or with an operation or a shape that cannot be run.
+    #[error("model {id} cannot be run — {why} — use a model with the shapes of its manifest: {place}")]
+    Unusable {
+        /// Name of the model.
+        id: String,
+        /// Where it lies.
+        place: String,
+        /// What the engine said, in one line.
+        why: String,
+    },
+    /// It answers with values that are not numbers.
+    #[error(
+        "model {id} answers with values that are not numbers — its weights are damaged — fetch the model again: {place}"
+    )]
+    NotFinite {
+        /// Name of the model.
+        id: String,
+        /// Where it lies.
+        place: String,
+    },
+}
+
+/// A light field that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum SynthError {
+    /// The caller asked to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A model could not be loaded or run.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// More memory than there is.
+    #[error("the light field needs {} MiB of memory — {} MiB are free — choose a long side of {fits} pixels or less", need_bytes >> 20, free_bytes >> 20)]
+    OutOfMemory {
+        /// Memory that is needed.
+        need_bytes: u64,
+        /// Memory that is free.
+        free_bytes: u64,
+        /// Long side that would fit.
+        fits: u32,
+    },
+    /// Threads could not be started.
+    #[error("worker threads could not be started — {0} — close other programs or use fewer threads")]
+    Threads(String),
+    /// Parts of a light field that do not fit together.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+}

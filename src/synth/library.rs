@@ -1,0 +1,142 @@
+//! Where models come from: the ones in the program, or a folder. Every file is checked against its manifest.
+
+use std::borrow::Cow;
+use std::fs;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+
+use super::{Manifest, ModelError, Task};
+
+/// The models that were embedded when the program was built: path below `models/`, content.
+static EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded_models.rs"));
+
+/// Where models come from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ModelSource {
+    /// The ones that came with the program.
+    #[default]
+    Embedded,
+    /// A folder laid out like `models/`: `models.toml` and one folder a model (`--models DIR`).
+    Folder(PathBuf),
+}
+
+/// A model's name and checksum: what a light field says it was made with.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, Deserialize)]
+pub struct ModelTag {
+    /// Name of the model.
+    pub id: String,
+    /// Checksum of its ONNX file.
+    pub sha256: String,
+}
+
+/// `models.toml`: the pair of nets that is used.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct ModelIndex {
+    /// The depth net.
+    pub depth: String,
+    /// The occlusion net; none means Lambertian views are final.
+    pub occlusion: Option<String>,
+}
+
+/// A model as it was read: its manifest and its ONNX file, checked against each other.
+#[derive(Clone, Debug)]
+pub struct ModelFile {
+    /// What it says about itself.
+    pub manifest: Manifest,
+    /// The ONNX file.
+    pub onnx: Cow<'static, [u8]>,
+    /// Where it came from, for errors.
+    pub place: String,
+}
+
+impl ModelFile {
+    /// Name and checksum.
+    pub fn tag(&self) -> ModelTag {
+        ModelTag { id: self.manifest.id.clone(), sha256: self.manifest.sha256.to_lowercase() }
+    }
+}
+
+impl ModelSource {
+    /// The pair of nets that this source uses.
+    pub fn index(&self) -> Result<ModelIndex, ModelError> {
+        let text = self.text("models.toml")?;
+        let place = self.place("models.toml");
+        toml::from_str(&text).map_err(|error| ModelError::Manifest { place, why: error.message().to_owned() })
+    }
+
+    /// Reads one model and checks its task and checksum.
+    pub fn model(&self, id: &str, task: Task) -> Result<ModelFile, ModelError> {
+        let path = format!("{id}/manifest.toml");
+        let place = self.place(&path);
+        let manifest = Manifest::parse(&self.text(&path)?, &place)?;
+        if manifest.task != task {
+            let why = format!("its task is {:?} where {task:?} is needed", manifest.task);
+            return Err(ModelError::Manifest { place, why });
+        }
+        let file = format!("{id}/{}", manifest.file);
+        let onnx = self.bytes(&file)?;
+        if hex(&Sha256::digest(&onnx)) != manifest.sha256.to_lowercase() {
+            return Err(ModelError::Tampered { id: manifest.id, place: self.place(&file) });
+        }
+        Ok(ModelFile { manifest, onnx, place: self.place(&file) })
+    }
+
+    /// Names of the `relative-depth` models that lie here: further sources of ray depth. Broken ones are left out.
+    pub fn relative_depth_models(&self) -> Vec<String> {
+        let mut ids: Vec<_> = self.folders().into_iter().filter(|id| self.is_relative_depth(id)).collect();
+        ids.sort();
+        ids
+    }
+
+    fn is_relative_depth(&self, id: &str) -> bool {
+        let path = format!("{id}/manifest.toml");
+        let manifest = self.text(&path).and_then(|text| Manifest::parse(&text, &path));
+        manifest.is_ok_and(|manifest| manifest.task == Task::RelativeDepth)
+    }
+
+    fn folders(&self) -> Vec<String> {
+        match self {
+            Self::Embedded => {
+                EMBEDDED.iter().filter_map(|(path, _)| path.strip_suffix("/manifest.toml")).map(str::to_owned).collect()
+            }
+            Self::Folder(folder) => {
+                let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+                entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+            }
+        }
+    }
+
+    fn text(&self, path: &str) -> Result<String, ModelError> {
+        let bytes = self.bytes(path)?.into_owned();
+        let not_text = |_| ModelError::Manifest { place: self.place(path), why: "it is not text".to_owned() };
+        String::from_utf8(bytes).map_err(not_text)
+    }
+
+    fn bytes(&self, path: &str) -> Result<Cow<'static, [u8]>, ModelError> {
+        match self {
+            Self::Embedded => EMBEDDED
+                .iter()
+                .find(|(name, _)| *name == path)
+                .map(|(_, content)| Cow::Borrowed(*content))
+                .ok_or_else(|| ModelError::NotEmbedded { path: path.to_owned() }),
+            Self::Folder(folder) => {
+                let path = folder.join(path);
+                fs::read(&path).map(Cow::Owned).map_err(|source| ModelError::Unreadable { path, source })
+            }
+        }
+    }
+
+    fn place(&self, path: &str) -> String {
+        match self {
+            Self::Embedded => format!("the program's own {path}"),
+            Self::Folder(folder) => folder.join(path).display().to_string(),
+        }
+    }
+}
+
+/// Lower-case hexadecimal digits.
+pub(super) fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,270 @@
+//! What a model says about itself: `models/<id>/manifest.toml`.
+
+use serde::Deserialize;
+
+use super::ModelError;
+use crate::field::ViewGrid;
+
+/// What a model is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Task {
+    /// Photo → one ray-depth map a view: `[1, C, H, W] → [1, V·U, H, W]`, pixels per view step at its own width.
+    RayDepth,
+    /// Lambertian views and ray depths → residual: `[1, 4, V·U, H, W] → [1, 3, V·U, H, W]`.
+    Occlusion,
+    /// Photo → one map of relative (affine-unknown) depth, from anybody.
+    RelativeDepth,
+}
+
+/// What a depth net is fed, channel by channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Channels {
+    /// Red, green, blue, sRGB-encoded, −1 … 1.
+    Rgb,
+    /// y and x of the pixel: −1 on the first row (column), 1 on the last.
+    Yx,
+}
+
+impl Channels {
+    /// How many channels that is.
+    pub fn count(self) -> usize {
+        match self {
+            Self::Rgb => 3,
+            Self::Yx => 2,
+        }
+    }
+}
+
+/// Where the maps of the 63 other views come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RayDepthsFrom {
+    /// The refined map of the reference view, carried along its rays (`synth::lift`).
+    #[default]
+    Lift,
+    /// The net's own maps.
+    Net,
+}
+
+/// Long sides at which the depth net runs: one, or coarse and fine.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(untagged)]
+pub enum LongSides {
+    /// One pass.
+    One(u32),
+    /// Several passes, coarse first; each adds its detail.
+    Several(Vec<u32>),
+}
+
+impl LongSides {
+    /// All of them, coarse first.
+    pub fn as_slice(&self) -> &[u32] {
+        match self {
+            Self::One(side) => std::slice::from_ref(side),
+            Self::Several(sides) => sides,
+        }
+    }
+}
+
+/// How a `relative-depth` model wants its picture and what its numbers mean.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RelativeRules {
+    /// Width and height of the input; 0, 0 = any size, the longer side is `working_long_side`.
+    pub input_size: [u32; 2],
+    /// Subtracted from values in 0 … 1, in the order of `order`.
+    pub mean: [f32; 3],
+    /// Divided by afterwards.
+    pub std: [f32; 3],
+    /// Order of the colours: `rgb` or `bgr`.
+    pub order: ColourOrder,
+    /// `nchw` or `nhwc`.
+    pub layout: Layout,
+    /// What grows in its output: `nearness` (inverse depth) or `distance`.
+    pub output: RelativeOutput,
+}
+
+impl Default for RelativeRules {
+    fn default() -> Self {
+        Self {
+            input_size: [0, 0],
+            mean: [0.0; 3],
+            std: [1.0; 3],
+            order: ColourOrder::Rgb,
+            layout: Layout::Nchw,
+            output: RelativeOutput::Nearness,
+        }
+    }
+}
+
+/// Order of the colour channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ColourOrder {
+    /// Red first.
+    Rgb,
+    /// Blue first.
+    Bgr,
+}
+
+/// Order of the input's axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Layout {
+    /// `[1, 3, H, W]`.
+    Nchw,
+    /// `[1, H, W, 3]`.
+    Nhwc,
+}
+
+/// What a relative-depth net's output grows with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RelativeOutput {
+    /// Larger is nearer (inverse depth).
+    Nearness,
+    /// Larger is farther.
+    Distance,
+}
+
+/// A model's manifest.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Manifest {
+    /// Name of the model and of its folder.
+    pub id: String,
+    /// What it is for.
+    pub task: Task,
+    /// The ONNX file, in the same folder.
+    pub file: String,
+    /// Checksum of that file, 64 hexadecimal digits.
+    pub sha256: String,
+    /// Licence of the weights.
+    #[serde(default)]
+    pub licence: String,
+    /// What it was trained on.
+    #[serde(default)]
+    pub training_data: Vec<String>,
+    /// Rows and columns of views.
+    #[serde(default = "paper_views")]
+    pub views: [usize; 2],
+    /// Channels of a depth net's input, in order.
+    #[serde(default = "only_rgb")]
+    pub inputs: Vec<Channels>,
+    /// Long side, in pixels, at which it works: of the depth net always, of the occlusion net at most.
+    #[serde(default = "default_long_sides")]
+    pub working_long_side: LongSides,
+    /// Its input's sides are brought to a multiple of this by repeating the edge.
+    #[serde(default = "default_multiple")]
+    pub multiple_of: u32,
+    /// Least and greatest disparity it can say, pixels per view step.
+    #[serde(default = "default_range")]
+    pub disparity_range_px: [f32; 2],
+    /// Where the maps of the other views come from.
+    #[serde(default)]
+    pub ray_depths: RayDepthsFrom,
+    /// Rules of a `relative-depth` model.
+    #[serde(default)]
+    pub relative: RelativeRules,
+}
+
+fn paper_views() -> [usize; 2] {
+    [8, 8]
+}
+
+fn only_rgb() -> Vec<Channels> {
+    vec![Channels::Rgb]
+}
+
+fn default_long_sides() -> LongSides {
+    LongSides::One(540)
+}
+
+fn default_multiple() -> u32 {
+    1
+}
+
+fn default_range() -> [f32; 2] {
+    [-4.0, 4.0]
+}
+
+impl Manifest {
+    /// Reads and checks a manifest. `place` is named in errors.
+    pub fn parse(text: &str, place: &str) -> Result<Self, ModelError> {
+        let bad = |why: String| ModelError::Manifest { place: place.to_owned(), why };
+        let manifest: Self = toml::from_str(text).map_err(|error| bad(error.message().to_owned()))?;
+        manifest.check().map_err(bad)?;
+        Ok(manifest)
+    }
+
+    /// Rows and columns of views that it makes.
+    pub fn grid(&self) -> Result<ViewGrid, ModelError> {
+        let [rows, cols] = self.views;
+        ViewGrid::new(rows, cols)
+            .map_err(|error| ModelError::Manifest { place: self.id.clone(), why: error.to_string() })
+    }
+
+    /// Channels of the depth net's input.
+    pub fn input_channels(&self) -> usize {
+        self.inputs.iter().map(|channels| channels.count()).sum()
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let sides = self.working_long_side.as_slice();
+        let [lo, hi] = self.disparity_range_px;
+        let plain = |name: &str| !name.is_empty() && !name.contains(['/', '\\']) && name != "..";
+        ViewGrid::new(self.views[0], self.views[1]).map_err(|error| error.to_string())?;
+        let faults = [
+            (!plain(&self.id), "id must be a plain folder name"),
+            (!plain(&self.file), "file must be a plain file name"),
+            (self.sha256.len() != 64, "sha256 must have 64 hexadecimal digits"),
+            (self.inputs.is_empty(), "inputs must name at least one of rgb, yx"),
+            (sides.is_empty(), "working_long_side must name at least one size"),
+            (sides.iter().any(|side| !(16..=8192).contains(side)), "working_long_side must be 16 to 8192 pixels"),
+            (!(1..=256).contains(&self.multiple_of), "multiple_of must be 1 to 256"),
+            (lo.is_nan() || hi.is_nan() || lo >= hi, "disparity_range_px must be [least, greatest]"),
+            (self.relative.std.iter().any(|s| s.is_nan() || *s <= 0.0), "relative.std must be positive"),
+        ];
+        match faults.iter().find(|(wrong, _)| *wrong) {
+            Some((_, why)) => Err((*why).to_owned()),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LEAST: &str = "id = \"d\"\ntask = \"ray-depth\"\nfile = \"model.onnx\"\n";
+
+    fn with(more: &str) -> Result<Manifest, ModelError> {
+        Manifest::parse(&format!("{LEAST}sha256 = \"{}\"\n{more}", "0".repeat(64)), "d/manifest.toml")
+    }
+
+    #[test]
+    fn one_or_two_working_scales() {
+        assert_eq!(with("working_long_side = 192").unwrap().working_long_side.as_slice(), [192]);
+        assert_eq!(with("working_long_side = [128, 270]").unwrap().working_long_side.as_slice(), [128, 270]);
+    }
+
+    #[test]
+    fn wrong_values_are_named() {
+        for (line, word) in [
+            ("multiple_of = 0", "multiple_of"),
+            ("views = [0, 8]", "1 to 17"),
+            ("working_long_side = []", "working_long_side"),
+            ("disparity_range_px = [4, -4]", "disparity_range_px"),
+            ("inputs = [\"rgb\", \"lab\"]", "lab"),
+        ] {
+            let error = with(line).unwrap_err().to_string();
+            assert!(error.contains(word), "{error} should name {word}");
+        }
+    }
+
+    #[test]
+    fn the_input_counts_its_channels() {
+        assert_eq!(with("inputs = [\"rgb\", \"yx\"]").unwrap().input_channels(), 5);
+    }
+}
