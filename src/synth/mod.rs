@@ -7,4 +7,6 @@ pub mod tract;
 
 pub use error::{ModelError, SynthError};
 pub use library::{ModelFile, ModelIndex, ModelSource, ModelTag};
-pub use manifest::{Channels, ColourOrder, Layout, LongSides, Manifest, RayDepthsFrom, RelativeOutput, RelativeRules, Task};
+pub use manifest::{
+    Channels, ColourOrder, Layout, LongSides, Manifest, RayDepthsFrom, RelativeOutput, RelativeRules, Task,
+};
