@@ -1,3 +1,23 @@
-//! (to come)
+//! Files in, files out. What a file is, is told by its content, never by its name's suffix.
+//!
+//! * [`open`] and [`open_bytes`]: anything people have → a [`PhotoFile`] or a [`LightFieldFile`].
+//! * [`formats`]: one file for each light-field or depth format, and the table of who reads and writes what.
+//! * [`folder`]: the photos beside a photo, in natural order.
+//!
+//! Parsers never trust a length: sizes are checked in the header before anything is allocated, and what is only extra
+//! (a broken depth map in a sound photo) becomes a warning.
+
+mod error;
+mod exif;
+pub mod folder;
+pub mod formats;
+mod info;
+mod jpeg_parts;
+mod open;
+mod raster;
+mod sniff;
 
 pub use crate::field::DisparityMap;
+pub use error::{OpenError, Problem};
+pub use info::{DepthInfo, DepthKind, EmbeddedDepth, FileInfo, FileKind, LightFieldFile, Opened, PhotoFile};
+pub use open::{open, open_bytes};

@@ -1,0 +1,134 @@
+//! Why a file did not open, in one sentence: what — why — what to do, path last.
+
+use std::path::{Path, PathBuf};
+
+use crate::field::FieldError;
+use crate::job::Cancelled;
+
+/// A file did not open.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The caller stopped it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The file is at fault, or cannot be reached.
+    #[error("{problem}{}", path.as_deref().map(|path| format!(": {}", path.display())).unwrap_or_default())]
+    File {
+        /// What is wrong with it.
+        #[source]
+        problem: Problem,
+        /// The file or folder; none for bytes without a name.
+        path: Option<PathBuf>,
+    },
+}
+
+impl OpenError {
+    /// A problem with a named file.
+    pub(crate) fn at(path: Option<&Path>) -> impl FnOnce(Problem) -> Self {
+        move |problem| match problem {
+            Problem::Stopped(cancelled) => Self::Cancelled(cancelled),
+            Problem::In { name, problem } => Self::File { problem: *problem, path: Some(name) },
+            problem => Self::File { problem, path: path.map(Path::to_owned) },
+        }
+    }
+}
+
+/// What can be wrong with a file; parsers return it, [`OpenError`] adds the path.
+#[derive(Debug, thiserror::Error)]
+pub enum Problem {
+    /// The system would not read it.
+    #[error("could not read the file — {0} — check that it is there and that you may read it")]
+    Read(#[from] std::io::Error),
+    /// Nothing in it.
+    #[error("could not open the file — it is empty — copy it again from where it came from")]
+    Empty,
+    /// No known start.
+    #[error(
+        "could not open the file — it is no picture and no light field — open a JPEG, PNG, WebP, TIFF, BMP, GIF or HEIC photo, or a light field"
+    )]
+    Unknown,
+    /// Known, but nobody here reads it.
+    #[error("could not open the {format} file — {reason} — {advice}")]
+    Unsupported {
+        /// The format's name.
+        format: &'static str,
+        /// What it uses.
+        reason: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// It ends too early.
+    #[error("could not open the {format} file — it is cut off — copy it again from where it came from")]
+    Truncated {
+        /// The format's name.
+        format: &'static str,
+    },
+    /// Something in it contradicts itself.
+    #[error(
+        "could not open the {format} file — {reason} — copy it again, or save it anew with the program that made it"
+    )]
+    Damaged {
+        /// The format's name.
+        format: &'static str,
+        /// What does not fit.
+        reason: String,
+    },
+    /// More pixels than fit.
+    #[error(
+        "could not open the file — its header says {width}×{height} pixels, more than fit into {limit_mib} MiB — scale it down first"
+    )]
+    TooLarge {
+        /// Width in the header.
+        width: u64,
+        /// Height in the header.
+        height: u64,
+        /// Most bytes of decoded pixels.
+        limit_mib: u64,
+    },
+    /// A view is not there.
+    #[error(
+        "could not open the light field — view (v {v}, u {u}) of {rows}×{cols} is missing — put the file back into the folder"
+    )]
+    MissingView {
+        /// Row.
+        v: usize,
+        /// Column.
+        u: usize,
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+    },
+    /// Views and maps do not fit together.
+    #[error("could not open the light field — {0} — make all views again with one size")]
+    Field(#[from] FieldError),
+    /// A folder without anything to open.
+    #[error("could not open the folder — it holds no picture and no light field — choose another one")]
+    EmptyFolder,
+    /// The problem is in another file than the one that was opened.
+    #[error("{problem}: {}", name.display())]
+    In {
+        /// That file.
+        name: PathBuf,
+        /// What is wrong with it.
+        problem: Box<Problem>,
+    },
+    /// The caller stopped it.
+    #[error(transparent)]
+    Stopped(#[from] Cancelled),
+}
+
+impl Problem {
+    /// The same problem, told of a file inside the opened folder.
+    pub(crate) fn of(path: &Path) -> impl FnOnce(Self) -> Self {
+        move |problem| match problem {
+            stopped @ (Self::Stopped(_) | Self::In { .. }) => stopped,
+            problem => Self::In { name: path.to_owned(), problem: Box::new(problem) },
+        }
+    }
+
+    /// Something in the file contradicts itself.
+    pub(crate) fn damaged(format: &'static str, reason: impl ToString) -> Self {
+        Self::Damaged { format, reason: reason.to_string() }
+    }
+}

@@ -1,0 +1,194 @@
+//! Which file of a folder is which view: told by the numbers in the names.
+//!
+//! Names that differ only in numbers belong together. Two numbers that change are row and column
+//! (`view_3_4.png`, `lily_03_11.png`, `003_011.ppm`); one is a running number, row by row (`input_Cam036.png`).
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::field::ViewGrid;
+use crate::io::Problem;
+
+/// The files of a light field, in `[v, u]` order.
+#[derive(Debug)]
+pub(super) struct GridFiles {
+    pub(super) grid: ViewGrid,
+    pub(super) files: Vec<PathBuf>,
+    /// The names with their numbers replaced by `#`.
+    pub(super) pattern: String,
+    /// Whether the names hold one running number only, so that it is a guess that they are views at all.
+    pub(super) running: bool,
+}
+
+const SUFFIXES: [&str; 10] = ["png", "jpg", "jpeg", "ppm", "bmp", "tif", "tiff", "webp", "pgm", "gif"];
+
+/// A name's pattern and the numbers in it.
+fn split_numbers(stem: &str) -> (String, Vec<u64>) {
+    let (mut pattern, mut numbers, mut digits) = (String::new(), Vec::new(), String::new());
+    for c in stem.chars().chain(['\0']) {
+        if c.is_ascii_digit() {
+            digits.push(c);
+            continue;
+        }
+        if !digits.is_empty() {
+            numbers.push(digits.parse().unwrap_or(u64::MAX));
+            pattern.push('#');
+            digits.clear();
+        }
+        if c != '\0' {
+            pattern.push(c);
+        }
+    }
+    (pattern, numbers)
+}
+
+/// Picture files of a folder by pattern, in file order.
+fn families(folder: &Path) -> std::io::Result<BTreeMap<String, Vec<(Vec<u64>, PathBuf)>>> {
+    let mut found: BTreeMap<String, Vec<(Vec<u64>, PathBuf)>> = BTreeMap::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let suffix = path.extension().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
+        if !SUFFIXES.contains(&suffix.as_str()) {
+            continue;
+        }
+        let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        let (pattern, numbers) = split_numbers(&stem);
+        if !numbers.is_empty() {
+            found.entry(format!("{pattern}.{suffix}")).or_default().push((numbers, path));
+        }
+    }
+    Ok(found)
+}
+
+/// The largest family of names that fills a grid; `None` where there is none. `grid` is what an index file says.
+pub(super) fn find(folder: &Path, grid: Option<ViewGrid>) -> Result<Option<GridFiles>, Problem> {
+    let mut families: Vec<_> = families(folder)?.into_iter().collect();
+    families.sort_by_key(|(_, files)| std::cmp::Reverse(files.len()));
+    let Some((pattern, files)) = families.into_iter().next() else { return Ok(None) };
+    if files.len() < 2 {
+        return Ok(None);
+    }
+    let fields = files[0].0.len();
+    let changing: Vec<usize> = (0..fields).filter(|&at| files.iter().any(|(n, _)| n[at] != files[0].0[at])).collect();
+    match changing[..] {
+        [row, col] => two_numbers(pattern, files, [row, col], grid).map(Some),
+        [at] => running_number(pattern, files, at, grid),
+        _ => Ok(None),
+    }
+}
+
+fn two_numbers(
+    pattern: String,
+    files: Vec<(Vec<u64>, PathBuf)>,
+    [row, col]: [usize; 2],
+    grid: Option<ViewGrid>,
+) -> Result<GridFiles, Problem> {
+    let distinct = |at: usize| {
+        let mut all: Vec<u64> = files.iter().map(|(numbers, _)| numbers[at]).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    };
+    let (mut rows, mut cols) = (distinct(row), distinct(col));
+    if let Some(grid) = grid.filter(|g| g.rows() != rows.len() || g.cols() != cols.len()) {
+        // A whole row or column of files is missing: the index file says how many there should be.
+        (rows, cols) = ((0..grid.rows() as u64).collect(), (0..grid.cols() as u64).collect());
+    }
+    let grid = ViewGrid::new(rows.len(), cols.len())?;
+    let by_place: BTreeMap<[u64; 2], PathBuf> =
+        files.into_iter().map(|(numbers, path)| ([numbers[row], numbers[col]], path)).collect();
+    let mut ordered = Vec::with_capacity(grid.count());
+    for (v, &r) in rows.iter().enumerate() {
+        for (u, &c) in cols.iter().enumerate() {
+            let missing = || Problem::MissingView { v, u, rows: rows.len(), cols: cols.len() };
+            ordered.push(by_place.get(&[r, c]).ok_or_else(missing)?.clone());
+        }
+    }
+    Ok(GridFiles { grid, files: ordered, pattern, running: false })
+}
+
+/// A running number fills the grid of the index file, else a square, else one row.
+fn running_number(
+    pattern: String,
+    mut files: Vec<(Vec<u64>, PathBuf)>,
+    at: usize,
+    grid: Option<ViewGrid>,
+) -> Result<Option<GridFiles>, Problem> {
+    files.sort();
+    let (first, last) = (files[0].0[at], files[files.len() - 1].0[at]);
+    let span = (last - first) as usize + 1;
+    let known = grid.is_some() || pattern.to_lowercase().starts_with("input_cam");
+    let count = grid.map_or(span, ViewGrid::count);
+    let side = (count as f64).sqrt().round() as usize;
+    let shape = match grid {
+        Some(grid) => grid,
+        None if side * side == count => ViewGrid::new(side, side)?,
+        None if count <= ViewGrid::MAX_SIDE => ViewGrid::new(1, count)?,
+        None => return Ok(None),
+    };
+    let origin = if known { first.min(1) } else { first };
+    for layer in 0..count {
+        if files.get(layer).is_none_or(|(numbers, _)| numbers[at] != origin + layer as u64) {
+            let view = shape.view_from_layer(layer);
+            let missing =
+                Problem::MissingView { v: view.v.into(), u: view.u.into(), rows: shape.rows(), cols: shape.cols() };
+            // Photos of a camera have gaps in their numbers too: that is no light field, and no error.
+            return if known { Err(missing) } else { Ok(None) };
+        }
+    }
+    let files = files.into_iter().take(count).map(|(_, path)| path).collect();
+    Ok(Some(GridFiles { grid: shape, files, pattern, running: !known }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(names: &[String]) -> tempfile::TempDir {
+        let dir = tempfile::tempdir().unwrap();
+        for name in names {
+            std::fs::write(dir.path().join(name), b"").unwrap();
+        }
+        dir
+    }
+
+    fn names(made: impl Fn(u32, u32) -> String, rows: u32, cols: u32) -> Vec<String> {
+        (0..rows * cols).map(|n| made(n / cols, n % cols)).collect()
+    }
+
+    #[test]
+    fn known_patterns_are_put_in_order() {
+        type Name = fn(u32, u32) -> String;
+        let patterns: [Name; 5] = [
+            |v, u| format!("view_{v}_{u}.png"),
+            |v, u| format!("lego_2019_{v:02}_{u:02}.jpg"),
+            |v, u| format!("{:03}_{:03}.ppm", v + 1, u + 1),
+            |v, u| format!("{v}_{u}.png"),
+            |v, u| format!("input_Cam{:03}.png", v * 3 + u),
+        ];
+        for made in patterns {
+            let dir = folder(&names(made, 3, 3));
+            let found = find(dir.path(), None).unwrap().unwrap();
+            assert_eq!((found.grid.rows(), found.grid.cols()), (3, 3));
+            assert_eq!(found.files[5], dir.path().join(made(1, 2)));
+        }
+    }
+
+    #[test]
+    fn one_row_is_a_strip_and_a_gap_is_named() {
+        let strip = folder(&names(|_, u| format!("cam{u:02}.png"), 1, 7));
+        let found = find(strip.path(), None).unwrap().unwrap();
+        assert_eq!((found.grid.rows(), found.grid.cols(), found.running), (1, 7, true));
+
+        let mut gap = names(|v, u| format!("view_{v}_{u}.png"), 4, 4);
+        gap.remove(6);
+        let problem = find(folder(&gap).path(), None).unwrap_err();
+        assert!(matches!(problem, Problem::MissingView { v: 1, u: 2, rows: 4, cols: 4 }), "{problem}");
+    }
+
+    #[test]
+    fn photos_of_a_camera_are_no_light_field() {
+        let photos = ["IMG_0001.jpg", "IMG_0004.jpg", "IMG_0007.jpg"].map(String::from);
+        assert!(find(folder(&photos).path(), None).unwrap().is_none());
+    }
+}

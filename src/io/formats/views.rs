@@ -1,0 +1,158 @@
+//! A folder of views: our own `views` folder (with `lightfield.json`), and any folder whose file names count views.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+use serde::Deserialize;
+
+use super::grid_names::{self, GridFiles};
+use super::pfm;
+use crate::field::{LightField, RayDepths, View, ViewGrid, ViewIndex};
+use crate::io::open::read_file;
+use crate::io::sniff::sniff;
+use crate::io::{FileInfo, LightFieldFile, Problem, raster};
+use crate::job::{Job, Stage};
+
+/// The index file of a `views` folder.
+pub const INDEX_FILE: &str = "lightfield.json";
+/// The most bytes that the views of a light field may take.
+const MAX_FIELD_BYTES: u64 = 3 << 29;
+const FORMAT: &str = "views folder";
+
+/// The parts of `lightfield.json` that matter to a reader; everything else in it is let be.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct Index {
+    grid: Option<[usize; 2]>,
+    reference_view: Option<[usize; 2]>,
+    disparity_px_min_max: Option<[f32; 2]>,
+    disparity_px_2_98: Option<[f32; 2]>,
+    name: Option<String>,
+    camera: Option<String>,
+    scene: Option<String>,
+}
+
+/// Reads a folder of views; `None` where its names do not fill a grid.
+pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
+    let (index, index_warning) = read_index(folder)?;
+    let grid = index.grid.map(|[rows, cols]| ViewGrid::new(rows, cols)).transpose()?;
+    let Some(files) = grid_names::find(folder, grid)? else { return Ok(None) };
+    let field = read_views(&files, job)?;
+    let mut info = FileInfo::light_field(FORMAT, &field);
+    info.disparity_px = index.disparity_px_min_max.or(index.disparity_px_2_98);
+    for (name, text) in [("name", index.name), ("camera", index.camera), ("scene", index.scene)] {
+        info.notes.extend(text.map(|text| (name.to_owned(), text)));
+    }
+    let mut warnings: Vec<String> = index_warning.into_iter().collect();
+    let reference = field.grid().reference();
+    if let Some(other) =
+        index.reference_view.filter(|&[v, u]| v != usize::from(reference.v) || u != usize::from(reference.u))
+    {
+        warnings.push(format!(
+            "the reference view is ({}, {}) here, not {other:?} as lightfield.json says",
+            reference.v, reference.u
+        ));
+    }
+    let name = |at: ViewIndex| folder.join(format!("disparity_{}_{}.pfm", at.v, at.u));
+    let depths = read_depths(&field, name, job, &mut warnings)?;
+    if let Some(depths) = &depths {
+        info.disparity_px = Some(depths.range_px());
+    }
+    info.warnings.clone_from(&warnings);
+    Ok(Some(LightFieldFile { field: Arc::new(field), depths, reference_disparity: None, info, warnings }))
+}
+
+/// The index, or an empty one; a broken one is a warning, as the names tell the grid too.
+fn read_index(folder: &Path) -> Result<(Index, Option<String>), Problem> {
+    let path = folder.join(INDEX_FILE);
+    if !path.is_file() {
+        return Ok((Index::default(), None));
+    }
+    let bytes = read_file(&path).map_err(Problem::of(&path))?;
+    Ok(match serde_json::from_slice(&bytes) {
+        Ok(index) => (index, None),
+        Err(error) => (
+            Index::default(),
+            Some(format!("lightfield.json cannot be read ({error}), so the file names tell the grid")),
+        ),
+    })
+}
+
+/// Decodes all views, some at a time; all must have the size of the first.
+pub(super) fn read_views(files: &GridFiles, job: &Job) -> Result<LightField, Problem> {
+    let size = view_size(&files.files[0])?;
+    let bytes = u64::from(size[0]) * u64::from(size[1]) * 4 * files.grid.count() as u64;
+    if bytes > MAX_FIELD_BYTES {
+        let [width, height] = size.map(u64::from);
+        return Err(Problem::TooLarge {
+            width,
+            height: height * files.grid.count() as u64,
+            limit_mib: MAX_FIELD_BYTES >> 20,
+        });
+    }
+    let done = AtomicU32::new(0);
+    let total = files.files.len() as u32;
+    // Progress is told from this thread's pool; the sink is `Sync`.
+    let views: Result<Vec<Arc<View>>, Problem> = files
+        .files
+        .par_iter()
+        .map(|path| {
+            job.check()?;
+            let view = read_view(path).map_err(Problem::of(path))?;
+            job.advance(Stage::Open, done.fetch_add(1, Ordering::Relaxed), total)?;
+            Ok(Arc::new(view))
+        })
+        .collect();
+    Ok(LightField::new(files.grid, views?)?)
+}
+
+fn view_size(path: &Path) -> Result<[u32; 2], Problem> {
+    let bytes = read_file(path).map_err(Problem::of(path))?;
+    let format = sniff(&bytes).ok_or(Problem::Unknown).map_err(Problem::of(path))?;
+    raster::header_size(&bytes, format).map_err(Problem::of(path))
+}
+
+fn read_view(path: &Path) -> Result<View, Problem> {
+    let bytes = read_file(path)?;
+    if bytes.is_empty() {
+        return Err(Problem::Empty);
+    }
+    raster::decode_view(&bytes, sniff(&bytes).ok_or(Problem::Unknown)?)
+}
+
+/// Reads one PFM for each view. None there: no ray depths. Some broken: a warning, and no ray depths.
+pub(super) fn read_depths(
+    field: &LightField,
+    name: impl Fn(ViewIndex) -> PathBuf + Sync,
+    job: &Job,
+    warnings: &mut Vec<String>,
+) -> Result<Option<Arc<RayDepths>>, Problem> {
+    let grid = field.grid();
+    if !name(ViewIndex { v: 0, u: 0 }).is_file() {
+        return Ok(None);
+    }
+    let views: Vec<ViewIndex> = grid.views().collect();
+    let maps: Vec<Result<Vec<f32>, String>> = views
+        .par_iter()
+        .map(|&at| {
+            let path = name(at);
+            let told = |problem: Problem| format!("{problem}: {}", path.display());
+            let map = read_file(&path).and_then(|bytes| pfm::parse_pfm(&bytes)).map_err(told)?;
+            if map.size == field.size() {
+                Ok(map.disparity_px)
+            } else {
+                Err(format!("a map of {:?} pixels for views of {:?}: {}", map.size, field.size(), path.display()))
+            }
+        })
+        .collect();
+    job.check()?;
+    match maps.into_iter().collect::<Result<Vec<_>, _>>() {
+        Ok(maps) => Ok(Some(Arc::new(RayDepths::new(grid, field.size(), maps.concat())?))),
+        Err(reason) => {
+            warnings.push(format!("the ray depths are left out — {reason}"));
+            Ok(None)
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! What comes out of [`open`](super::open): the file's content, and what it was.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::DisparityMap;
+use crate::field::{LightField, Photo, RayDepths};
+
+/// A file, told by its content.
+#[derive(Debug)]
+pub enum Opened {
+    /// One photo.
+    Photo(Box<PhotoFile>),
+    /// A grid of views.
+    LightField(Box<LightFieldFile>),
+}
+
+impl Opened {
+    /// What the file is.
+    pub fn info(&self) -> &FileInfo {
+        match self {
+            Self::Photo(file) => &file.info,
+            Self::LightField(file) => &file.info,
+        }
+    }
+}
+
+/// A photo and what else was in its file.
+#[derive(Debug)]
+pub struct PhotoFile {
+    /// The upright photo. For a portrait photo with a blurred front, the all-in-focus original, where the file has it.
+    pub photo: Arc<Photo>,
+    /// Depth that the phone measured.
+    pub depth: Option<EmbeddedDepth>,
+    /// What the file is.
+    pub info: FileInfo,
+    /// What a person should know: for example a depth map that could not be read.
+    pub warnings: Vec<String>,
+}
+
+/// A light field and what else was in its files.
+#[derive(Debug)]
+pub struct LightFieldFile {
+    /// The views.
+    pub field: Arc<LightField>,
+    /// The disparity of every ray, where the file has it.
+    pub depths: Option<Arc<RayDepths>>,
+    /// The disparity of the reference view alone, where the file has only that (HCI benchmark scenes).
+    pub reference_disparity: Option<DisparityMap>,
+    /// What the file is.
+    pub info: FileInfo,
+    /// What a person should know: for example views that were turned over to fit the sign convention.
+    pub warnings: Vec<String>,
+}
+
+/// Depth that came with a photo, as the phone measured it.
+///
+/// # Shapes
+/// - `inverse_depth`: `[y, x]`, upright, covering the whole photo; larger is nearer
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmbeddedDepth {
+    /// Where it comes from.
+    pub kind: DepthKind,
+    /// Width and height of the map, in pixels; seldom that of the photo.
+    pub size: [u32; 2],
+    /// Inverse depth: 1/m where `metric`, else in a unit that only orders (affine to 1/m).
+    pub inverse_depth: Vec<f32>,
+    /// Whether the values are 1/m.
+    pub metric: bool,
+}
+
+impl EmbeddedDepth {
+    /// The map as disparity: its 2nd and 98th percentile become `range_px` (far, near), which is in pixels per view
+    /// step of the map's own width.
+    pub fn disparity(&self, range_px: [f32; 2]) -> DisparityMap {
+        let mut sorted: Vec<f32> = self.inverse_depth.iter().copied().filter(|n| n.is_finite()).collect();
+        sorted.sort_by(f32::total_cmp);
+        let at = |share: f32| sorted.get((share * (sorted.len().max(1) - 1) as f32) as usize).copied().unwrap_or(0.0);
+        let (far, near) = (at(0.02), at(0.98));
+        let scale = if near > far { (range_px[1] - range_px[0]) / (near - far) } else { 0.0 };
+        let px = |n: &f32| if n.is_finite() { range_px[0] + (n - far) * scale } else { range_px[0] };
+        DisparityMap { size: self.size, disparity_px: self.inverse_depth.iter().map(px).collect() }
+    }
+}
+
+/// Where a photo's depth comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DepthKind {
+    /// GDepth in the XMP of a JPEG (Google Lens Blur and many phones).
+    Gdepth,
+    /// Dynamic Depth: pictures behind the JPEG (Android 10 and later).
+    DynamicDepth,
+    /// The auxiliary picture of an Apple portrait photo.
+    ApplePortrait,
+    /// Both eyes of a spatial photo, matched.
+    SpatialPair,
+    /// A file beside the photo (`_DEPTH`).
+    SideFile,
+}
+
+/// What `info` says of embedded depth.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DepthInfo {
+    /// Where it comes from.
+    pub kind: DepthKind,
+    /// Width and height of the map.
+    pub size: [u32; 2],
+    /// Nearest and farthest measured point in metres, where the values are metric.
+    pub range_m: Option<[f32; 2]>,
+}
+
+impl From<&EmbeddedDepth> for DepthInfo {
+    fn from(depth: &EmbeddedDepth) -> Self {
+        let finite = || depth.inverse_depth.iter().copied().filter(|n| n.is_finite() && *n > 0.0);
+        let (far, near) = (finite().fold(f32::INFINITY, f32::min), finite().fold(0.0, f32::max));
+        let range_m = (depth.metric && near > 0.0).then(|| [1.0 / near, 1.0 / far]);
+        Self { kind: depth.kind, size: depth.size, range_m }
+    }
+}
+
+/// Photo or light field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum FileKind {
+    /// One picture.
+    #[serde(rename = "photo")]
+    Photo,
+    /// A grid of views.
+    #[serde(rename = "light field")]
+    LightField,
+}
+
+/// What a file is: the object that `info --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FileInfo {
+    /// Photo or light field.
+    pub kind: FileKind,
+    /// The format's name.
+    pub format: &'static str,
+    /// Width and height of the upright photo, or of a view.
+    pub size: [u32; 2],
+    /// Rows and columns of views.
+    pub views: Option<[usize; 2]>,
+    /// EXIF orientation that was in the file, 1 … 8.
+    pub orientation: u8,
+    /// Name of the colour profile.
+    pub profile: Option<String>,
+    /// Bits of a channel.
+    pub bits: u8,
+    /// Depth that came with the photo.
+    pub embedded_depth: Option<DepthInfo>,
+    /// Focal length as on 35-mm film.
+    pub f35_mm: Option<f32>,
+    /// Least and greatest disparity, in pixels per view step, where the file says it.
+    pub disparity_px: Option<[f32; 2]>,
+    /// What else the file says that a person may want to know: name and text.
+    pub notes: Vec<(String, String)>,
+    /// What was not as it should be.
+    pub warnings: Vec<String>,
+}
+
+impl FileInfo {
+    /// A light field's description, before anything else is known of it.
+    pub(crate) fn light_field(format: &'static str, field: &LightField) -> Self {
+        Self {
+            kind: FileKind::LightField,
+            format,
+            size: field.size(),
+            views: Some([field.grid().rows(), field.grid().cols()]),
+            orientation: 1,
+            profile: None,
+            bits: 8,
+            embedded_depth: None,
+            f35_mm: None,
+            disparity_px: None,
+            notes: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+}

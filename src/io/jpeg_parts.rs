@@ -1,0 +1,114 @@
+//! The marker segments of a JPEG, and where the picture ends: what phones hide in and behind it.
+
+/// A marker segment before the picture's data: the marker's second byte and its content.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment<'a> {
+    pub(crate) marker: u8,
+    pub(crate) data: &'a [u8],
+    /// Where `data` begins in the file.
+    pub(crate) offset: usize,
+}
+
+/// A JPEG, taken apart.
+#[derive(Debug)]
+pub(crate) struct JpegParts<'a> {
+    pub(crate) segments: Vec<Segment<'a>>,
+    /// Just behind the end-of-image marker; none if the file is cut off before it.
+    pub(crate) end: Option<usize>,
+}
+
+const START_OF_IMAGE: u8 = 0xd8;
+const END_OF_IMAGE: u8 = 0xd9;
+const APP1: u8 = 0xe1;
+const APP2: u8 = 0xe2;
+const EXIF: &[u8] = b"Exif\0\0";
+const XMP: &[u8] = b"http://ns.adobe.com/xap/1.0/\0";
+const EXTENDED_XMP: &[u8] = b"http://ns.adobe.com/xmp/extension/\0";
+
+/// Takes a JPEG apart; stops, without `end`, where it is cut off.
+pub(crate) fn parse(jpeg: &[u8]) -> JpegParts<'_> {
+    let mut parts = JpegParts { segments: Vec::new(), end: None };
+    let mut at = 0;
+    while let Some(marker) = next_marker(jpeg, &mut at) {
+        match marker {
+            START_OF_IMAGE | 0x01 | 0xd0..=0xd7 => continue,
+            END_OF_IMAGE => {
+                parts.end = Some(at);
+                break;
+            }
+            _ => {}
+        }
+        let Some(length) = jpeg.get(at..at + 2).map(|b| usize::from(u16::from_be_bytes([b[0], b[1]]))) else { break };
+        let Some(data) = length.checked_sub(2).and_then(|len| jpeg.get(at + 2..at + 2 + len)) else { break };
+        parts.segments.push(Segment { marker, data, offset: at + 2 });
+        at += length;
+    }
+    parts
+}
+
+/// Finds the next marker from `at` on, skipping entropy-coded data, and moves `at` behind it.
+fn next_marker(jpeg: &[u8], at: &mut usize) -> Option<u8> {
+    loop {
+        let skip = jpeg.get(*at..)?.iter().position(|&byte| byte == 0xff)?;
+        *at += skip + 1;
+        match jpeg.get(*at)? {
+            0x00 => *at += 1,
+            0xff => {}
+            &marker => {
+                *at += 1;
+                return Some(marker);
+            }
+        }
+    }
+}
+
+impl<'a> JpegParts<'a> {
+    fn with_head(&self, marker: u8, head: &'static [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a, '_> {
+        self.segments.iter().filter(move |s| s.marker == marker).filter_map(move |s| s.data.strip_prefix(head))
+    }
+
+    /// The EXIF block, a TIFF structure.
+    pub(crate) fn exif(&self) -> Option<&'a [u8]> {
+        self.with_head(APP1, EXIF).next()
+    }
+
+    /// The main XMP packet.
+    pub(crate) fn xmp(&self) -> Option<&'a [u8]> {
+        self.with_head(APP1, XMP).next()
+    }
+
+    /// The multi-picture index (CIPA DC-007) and where its offsets count from.
+    pub(crate) fn mpf(&self) -> Option<(&'a [u8], usize)> {
+        let found = self.segments.iter().find(|s| s.marker == APP2 && s.data.starts_with(b"MPF\0"))?;
+        Some((&found.data[4..], found.offset + 4))
+    }
+
+    /// The extended XMP packet with a GUID, put together from its chunks (XMP specification, part 3, 1.1.3.1).
+    pub(crate) fn extended_xmp(&self, guid: &str) -> Result<Vec<u8>, String> {
+        let mut whole: Vec<u8> = Vec::new();
+        let mut filled = 0usize;
+        for chunk in self.with_head(APP1, EXTENDED_XMP) {
+            let Some((head, data)) = chunk.split_at_checked(40) else { return Err("an XMP chunk is too short".into()) };
+            if !head[..32].eq_ignore_ascii_case(guid.as_bytes()) {
+                continue;
+            }
+            let number = |at: usize| u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]) as usize;
+            let (total, offset) = (number(32), number(36));
+            if whole.is_empty() {
+                // The chunks must be in this file, so their sum bounds what is allocated.
+                if total > self.segments.len().saturating_mul(65_536) {
+                    return Err(format!("extended XMP says {total} bytes, more than the file holds"));
+                }
+                whole = vec![0; total];
+            }
+            let place = offset.checked_add(data.len()).and_then(|end| whole.get_mut(offset..end));
+            place.ok_or("an XMP chunk lies outside its packet")?.copy_from_slice(data);
+            filled += data.len();
+        }
+        if filled == 0 || filled < whole.len() {
+            Err("parts of the extended XMP are missing".into())
+        } else {
+            Ok(whole)
+        }
+    }
+}

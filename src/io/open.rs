@@ -1,0 +1,146 @@
+//! The front door: a path or some bytes → what is in them.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::formats::{self, phone};
+use super::raster::{self, Raster};
+use super::sniff::{Sniffed, sniff};
+use super::{DepthInfo, EmbeddedDepth, FileInfo, FileKind, OpenError, Opened, PhotoFile, Problem, exif, folder};
+use crate::field::Photo;
+use crate::job::{Cancel, Job, Stage};
+
+/// The longest file that is read: a light field of 17×17 views in one TIFF stays below.
+const MAX_FILE_BYTES: u64 = 2 << 30;
+
+/// Opens a photo or a light field: a file, or a folder of views. A folder of photos opens as its first photo.
+///
+/// # Errors
+/// [`OpenError`], which names the file and the reason in one sentence.
+pub fn open(path: &Path, job: &Job) -> Result<Opened, OpenError> {
+    job.advance(Stage::Open, 0, 1)?;
+    let opened = open_path(path, job).map_err(OpenError::at(Some(path)))?;
+    job.advance(Stage::Open, 1, 1)?;
+    Ok(opened)
+}
+
+/// Opens what is already in memory. `name` tells where it came from; files beside it are not looked at.
+///
+/// # Errors
+/// [`OpenError`], which names the reason in one sentence.
+pub fn open_bytes(bytes: &[u8], name: Option<&Path>) -> Result<Opened, OpenError> {
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    open_content(bytes, name, &job).map_err(OpenError::at(name))
+}
+
+fn open_path(path: &Path, job: &Job) -> Result<Opened, Problem> {
+    if path.is_dir() {
+        return open_folder(path, job);
+    }
+    if formats::is_index_file(path) {
+        return open_folder(path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")), job);
+    }
+    let bytes = read_file(path)?;
+    job.check()?;
+    let mut opened = open_content(&bytes, Some(path), job)?;
+    if let Opened::Photo(file) = &mut opened
+        && file.depth.is_none()
+        && let Some(depth) = phone::side_file::find(path, &file.photo, &mut file.warnings)
+    {
+        file.set_depth(depth);
+    }
+    Ok(opened)
+}
+
+fn open_folder(path: &Path, job: &Job) -> Result<Opened, Problem> {
+    if let Some(file) = formats::read_folder(path, job)? {
+        return Ok(Opened::LightField(Box::new(file)));
+    }
+    let first = folder::pictures(path)?.into_iter().next().ok_or(Problem::EmptyFolder)?;
+    open_path(&first, job).map_err(Problem::of(&first))
+}
+
+/// Reads a file whole, but not one that is too long to be a picture.
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+    let length = std::fs::metadata(path)?.len();
+    if length > MAX_FILE_BYTES {
+        return Err(Problem::Unsupported {
+            format: "very long",
+            reason: format!("it has {} MiB", length >> 20),
+            advice: "open a file of at most 2 GiB",
+        });
+    }
+    Ok(std::fs::read(path)?)
+}
+
+fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, Problem> {
+    if bytes.is_empty() {
+        return Err(Problem::Empty);
+    }
+    let format = sniff(bytes).ok_or(Problem::Unknown)?;
+    if let Some(file) = formats::read_single(bytes, format, name, job)? {
+        return Ok(Opened::LightField(Box::new(file)));
+    }
+    let file = match format {
+        Sniffed::Pfm => {
+            return Err(Problem::Unsupported {
+                format: "PFM",
+                reason: "it is a map of numbers, not a picture".to_owned(),
+                advice: "open its photo, and give this file as the photo's disparity",
+            });
+        }
+        Sniffed::Avif => {
+            return Err(Problem::Unsupported {
+                format: "AVIF",
+                reason: "its codec AV1 is not read here".to_owned(),
+                advice: "save it as JPEG, PNG or HEIC",
+            });
+        }
+        Sniffed::Heif => phone::heic::open(bytes)?,
+        Sniffed::Jpeg => phone::jpeg::open(bytes)?,
+        format => PhotoFile::from_raster(raster::decode(bytes, format)?, format)?,
+    };
+    Ok(Opened::Photo(Box::new(file.with_source(name))))
+}
+
+impl PhotoFile {
+    /// A photo without depth.
+    pub(crate) fn from_raster(raster: Raster, format: Sniffed) -> Result<Self, Problem> {
+        let (photo, warnings) = raster.into_photo()?;
+        let metadata = photo.metadata();
+        let info = FileInfo {
+            kind: FileKind::Photo,
+            format: format.name(),
+            size: photo.size(),
+            views: None,
+            orientation: metadata.orientation,
+            profile: metadata.icc.as_deref().and_then(raster::profile_name),
+            bits: photo.pixels().bits(),
+            embedded_depth: None,
+            f35_mm: metadata.exif.as_deref().and_then(exif::f35_mm),
+            disparity_px: None,
+            notes: Vec::new(),
+            warnings: warnings.clone(),
+        };
+        Ok(Self { photo: Arc::new(photo), depth: None, info, warnings })
+    }
+
+    /// Takes a depth map in.
+    pub(crate) fn set_depth(&mut self, depth: EmbeddedDepth) {
+        self.info.embedded_depth = Some(DepthInfo::from(&depth));
+        self.depth = Some(depth);
+    }
+
+    /// Tells the person something.
+    pub(crate) fn warn(&mut self, text: String) {
+        self.info.warnings.push(text.clone());
+        self.warnings.push(text);
+    }
+
+    fn with_source(mut self, name: Option<&Path>) -> Self {
+        if let Some(name) = name {
+            self.photo = Arc::new(Photo::clone(&self.photo).with_source(name));
+        }
+        self
+    }
+}

@@ -1,0 +1,162 @@
+//! Bytes of a picture file → its pixels, as they lie in the file; then → a [`Photo`], upright and opaque.
+//!
+//! Transparency: a photo is composited onto white, as a print would show it; a light field's views keep their alpha
+//! until their reader has used it (ESLF marks missing rays with it).
+
+mod color;
+pub(crate) mod jpeg;
+mod orient;
+mod still;
+
+use std::sync::Arc;
+
+use super::sniff::Sniffed;
+use super::{Problem, exif};
+use crate::field::{Metadata, Photo, PhotoPixels, View};
+
+pub(crate) use color::profile_name;
+pub(crate) use orient::orient;
+
+/// The most bytes that the pixels of one picture may take.
+pub(crate) const MAX_DECODED_BYTES: u64 = 1 << 30;
+
+/// A decoded picture as it lies in the file: not turned, alpha kept.
+#[derive(Debug)]
+pub(crate) struct Raster {
+    pub(crate) size: [u32; 2],
+    pub(crate) samples: Samples,
+    pub(crate) has_alpha: bool,
+    /// Profile of an RGB picture; other profiles have been applied already.
+    pub(crate) icc: Option<Vec<u8>>,
+    pub(crate) exif: Option<Vec<u8>>,
+    pub(crate) xmp: Option<Vec<u8>>,
+    /// EXIF orientation, 1 … 8.
+    pub(crate) orientation: u8,
+}
+
+/// RGBA pixels, row by row.
+#[derive(Debug)]
+pub(crate) enum Samples {
+    Eight(Vec<[u8; 4]>),
+    Sixteen(Vec<[u16; 4]>),
+}
+
+impl Samples {
+    pub(crate) fn bits(&self) -> u8 {
+        match self {
+            Self::Eight(_) => 8,
+            Self::Sixteen(_) => 16,
+        }
+    }
+}
+
+/// Refuses a header whose pixels would not fit into memory, before anything is allocated.
+pub(crate) fn check_size(width: u64, height: u64, bytes_per_pixel: u64) -> Result<(), Problem> {
+    let bytes = width.saturating_mul(height).saturating_mul(bytes_per_pixel);
+    if width == 0 || height == 0 {
+        return Err(Problem::damaged("picture", "a side of 0 pixels"));
+    }
+    if bytes <= MAX_DECODED_BYTES {
+        Ok(())
+    } else {
+        Err(Problem::TooLarge { width, height, limit_mib: MAX_DECODED_BYTES >> 20 })
+    }
+}
+
+/// Decodes any picture that is not HEIC.
+pub(crate) fn decode(bytes: &[u8], format: Sniffed) -> Result<Raster, Problem> {
+    match format {
+        Sniffed::Jpeg => jpeg::decode(bytes),
+        _ => still::decode(bytes, format),
+    }
+}
+
+/// A picture that only needs its pixels: 8-bit RGBA, upright, with its alpha.
+pub(crate) fn decode_rgba8(bytes: &[u8], format: Sniffed) -> Result<([u32; 2], Vec<[u8; 4]>), Problem> {
+    let raster = decode(bytes, format)?;
+    let pixels = match raster.samples {
+        Samples::Eight(px) => px,
+        Samples::Sixteen(px) => px.iter().map(|px| px.map(color::eight_from_sixteen)).collect(),
+    };
+    Ok(orient(pixels, raster.size, raster.orientation))
+}
+
+/// A view of a light field: 8-bit RGBA, upright and opaque.
+pub(crate) fn decode_view(bytes: &[u8], format: Sniffed) -> Result<View, Problem> {
+    let (size, pixels) = decode_rgba8(bytes, format)?;
+    Ok(View::new(size, opaque(pixels, true).into_flattened())?)
+}
+
+/// Width and height from a picture's header, before orientation.
+pub(crate) fn header_size(bytes: &[u8], format: Sniffed) -> Result<[u32; 2], Problem> {
+    match format {
+        Sniffed::Jpeg => jpeg::header_size(bytes),
+        _ => still::header_size(bytes, format),
+    }
+}
+
+impl Raster {
+    /// The upright, opaque photo with its sRGB working copy; the copy shares memory with sRGB 8-bit pixels.
+    pub(crate) fn into_photo(self) -> Result<(Photo, Vec<String>), Problem> {
+        let mut warnings = Vec::new();
+        let metadata = Metadata {
+            icc: self.icc.map(Arc::from),
+            exif: self.exif.map(Arc::from),
+            xmp: self.xmp.map(Arc::from),
+            orientation: self.orientation,
+        };
+        let icc = metadata.icc.clone();
+        let (size, pixels, srgb8) = match self.samples {
+            Samples::Eight(px) => {
+                let (size, px) = orient(px, self.size, self.orientation);
+                let px: Arc<[u8]> = opaque(px, self.has_alpha).into_flattened().into();
+                let srgb8 = color::srgb8_from_eight(&px, icc.as_deref(), &mut warnings);
+                (size, PhotoPixels::Eight(px), srgb8)
+            }
+            Samples::Sixteen(px) => {
+                let (size, px) = orient(px, self.size, self.orientation);
+                let px: Arc<[u16]> = opaque(px, self.has_alpha).into_flattened().into();
+                let srgb8 = color::srgb8_from_sixteen(&px, icc.as_deref(), &mut warnings);
+                (size, PhotoPixels::Sixteen(px), srgb8)
+            }
+        };
+        Ok((Photo::new(size, pixels, srgb8, metadata)?, warnings))
+    }
+
+    /// EXIF orientation of a block that may be missing.
+    pub(crate) fn orientation_of(exif: Option<&[u8]>) -> u8 {
+        exif.map_or(1, exif::orientation)
+    }
+}
+
+/// Composites onto white, in the encoded values as browsers do.
+fn opaque<T: Channel>(mut pixels: Vec<[T; 4]>, has_alpha: bool) -> Vec<[T; 4]> {
+    if has_alpha {
+        for px in &mut pixels {
+            let alpha = px[3].into();
+            let onto_white = |value: T| T::round((value.into() * alpha + T::MAX * (T::MAX - alpha)) / T::MAX);
+            *px = [onto_white(px[0]), onto_white(px[1]), onto_white(px[2]), T::round(T::MAX)];
+        }
+    }
+    pixels
+}
+
+/// A sample of 8 or 16 bits.
+trait Channel: Copy + Into<f32> {
+    const MAX: f32;
+    fn round(value: f32) -> Self;
+}
+
+impl Channel for u8 {
+    const MAX: f32 = 255.0;
+    fn round(value: f32) -> Self {
+        (value + 0.5) as Self
+    }
+}
+
+impl Channel for u16 {
+    const MAX: f32 = 65535.0;
+    fn round(value: f32) -> Self {
+        (value + 0.5) as Self
+    }
+}
