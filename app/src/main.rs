@@ -1,2 +1,68 @@
-#![allow(missing_docs)]
-fn main() {}
+//! The program `plenoscope`: the window without a command, the command line with one.
+//!
+//! Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted. One line on stderr says what went wrong.
+
+mod cli;
+mod commands;
+mod output;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use plenoscope::job::{Cancel, Job};
+
+use crate::cli::{Cli, Talk};
+use crate::progress::Bar;
+
+/// Exit code of a job that Ctrl-C stopped, as shells have it.
+const INTERRUPTED: u8 = 130;
+/// Exit code of wrong usage, as clap has it.
+const USAGE: u8 = 2;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    log_to_stderr(&cli.talk);
+    let cancel = Cancel::default();
+    let bar = Bar::new(cli.talk.quiet);
+    let done = stop_on_ctrl_c(&cancel).and_then(|()| commands::run(cli, Job { cancel: &cancel, sink: &bar }));
+    bar.finish();
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) if cancel.is_cancelled() => ExitCode::from(INTERRUPTED),
+        Err(error) => {
+            eprintln!("error: {}", output::one_line(&error));
+            if error.is::<commands::Usage>() { ExitCode::from(USAGE) } else { ExitCode::FAILURE }
+        }
+    }
+}
+
+/// `-v` shows what the program says, `-vv` and `-vvv` what its libraries say; `RUST_LOG` is heard too.
+fn log_to_stderr(talk: &Talk) {
+    let filter = match (talk.quiet, talk.verbose) {
+        (true, _) => "off",
+        (false, 0) => "error",
+        (false, 1) => "plenoscope=info",
+        (false, 2) => "plenoscope=debug,warn",
+        (false, _) => "trace",
+    };
+    let mut builder = env_logger::Builder::new();
+    builder.parse_filters(filter);
+    if let Ok(wanted) = std::env::var("RUST_LOG") {
+        builder.parse_filters(&wanted);
+    }
+    builder.init();
+}
+
+/// The first Ctrl-C asks the job to stop, so that nothing half-written stays; the second does not wait.
+fn stop_on_ctrl_c(cancel: &Cancel) -> anyhow::Result<()> {
+    let cancel = cancel.clone();
+    ctrlc::set_handler(move || {
+        if cancel.is_cancelled() {
+            #[allow(clippy::disallowed_methods, reason = "asked twice: no longer politely")]
+            std::process::exit(INTERRUPTED.into());
+        }
+        cancel.cancel();
+    })
+    .map_err(|error| anyhow::anyhow!("Ctrl-C cannot be listened to — {error} — start the program again"))
+}

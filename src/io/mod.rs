@@ -15,6 +15,7 @@ mod info;
 mod jpeg_parts;
 mod open;
 mod raster;
+pub mod sample;
 mod sniff;
 
 pub use crate::field::DisparityMap;
