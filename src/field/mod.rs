@@ -22,6 +22,7 @@ mod lens;
 mod light_field;
 mod photo;
 mod ray_depths;
+mod transfer;
 mod view;
 
 pub use disparity_map::DisparityMap;
@@ -30,6 +31,7 @@ pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
 pub use photo::{Metadata, Photo, PhotoPixels, fit_long_side};
 pub use ray_depths::RayDepths;
+pub use transfer::Transfer;
 pub use view::View;
 
 /// A picture whose parts do not fit together; the text says which.

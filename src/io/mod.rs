@@ -16,6 +16,7 @@ mod jpeg_parts;
 mod open;
 mod raster;
 pub mod sample;
+pub mod save;
 mod sniff;
 
 pub use crate::field::DisparityMap;

@@ -1,0 +1,276 @@
+//! Pictures into files: PNG and TIFF with 8 or 16 bits, JPEG, WebP, with what the photo's file said about it.
+//!
+//! [`atomic`] is how every file of this program is written.
+
+mod atomic;
+mod encode;
+mod exif;
+#[cfg(test)]
+mod tests;
+mod xmp;
+
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::field::{Metadata, Photo, Transfer};
+use crate::render::Picture;
+
+pub use atomic::{atomic, free_path, same_file};
+pub use encode::encode;
+
+/// Why a file could not be written. The old file, if there was one, is as it was.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    /// The target is a folder.
+    #[error("the picture cannot be saved: there is a folder of that name; give the name of a file: {}", .0.display())]
+    IsFolder(PathBuf),
+    /// The folder is not there.
+    #[error("the picture cannot be saved: its folder does not exist; make it first, or choose another: {}", .0.display())]
+    NoFolder(PathBuf),
+    /// The target is the photo itself.
+    #[error("the picture would replace the photo that it is made from; choose another name, or ask for it (--force): {}", .0.display())]
+    IsSource(PathBuf),
+    /// No right to write there.
+    #[error("the picture cannot be saved: writing is not allowed there; choose another folder: {}", .0.display())]
+    NoRights(PathBuf),
+    /// No room on the disk.
+    #[error("the picture cannot be saved: the disk is full; make room, or choose another disk: {}", .0.display())]
+    DiskFull(PathBuf),
+    /// The extension names no format that is known here.
+    #[error("the picture cannot be saved: its name does not end in .png, .jpg, .tif or .webp: {}", .0.display())]
+    Extension(PathBuf),
+    /// The picture does not fit the format.
+    #[error("the picture cannot be saved: {why}: {}", .path.display())]
+    Encode {
+        /// What the encoder says.
+        why: String,
+        /// The file.
+        path: PathBuf,
+    },
+    /// The job was asked to stop.
+    #[error("stopped")]
+    Cancelled,
+}
+
+impl From<crate::job::Cancelled> for SaveError {
+    fn from(_: crate::job::Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl SaveError {
+    /// The sentence for an error of the file system.
+    pub fn from_io(error: &std::io::Error, path: &Path) -> Self {
+        use std::io::ErrorKind;
+        let path = path.to_owned();
+        match error.kind() {
+            ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => Self::NoRights(path),
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => Self::DiskFull(path),
+            ErrorKind::NotFound | ErrorKind::NotADirectory => Self::NoFolder(path),
+            ErrorKind::IsADirectory => Self::IsFolder(path),
+            _ => Self::Encode { why: error.to_string(), path },
+        }
+    }
+
+    /// The same error about a file, where it was made without knowing which.
+    fn at(self, file: &Path) -> Self {
+        let fill = |path: PathBuf| if path.as_os_str().is_empty() { file.to_owned() } else { path };
+        match self {
+            Self::NoRights(path) => Self::NoRights(fill(path)),
+            Self::DiskFull(path) => Self::DiskFull(fill(path)),
+            Self::Encode { why, path } => Self::Encode { why, path: fill(path) },
+            other => other,
+        }
+    }
+}
+
+/// A picture format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// 8 or 16 bits, without loss.
+    Png,
+    /// 8 bits, 4:4:4.
+    Jpeg,
+    /// 8 or 16 bits, without loss.
+    Tiff,
+    /// 8 bits, without loss.
+    WebP,
+}
+
+impl Format {
+    /// The format that a file name asks for.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => Some(Self::Png),
+            "jpg" | "jpeg" | "jpe" | "jfif" => Some(Self::Jpeg),
+            "tif" | "tiff" => Some(Self::Tiff),
+            "webp" => Some(Self::WebP),
+            _ => None,
+        }
+    }
+
+    /// The extension that a new file gets.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+            Self::Tiff => "tif",
+            Self::WebP => "webp",
+        }
+    }
+
+    /// Whether it has 16 bits a channel.
+    pub fn has_16_bits(self) -> bool {
+        matches!(self, Self::Png | Self::Tiff)
+    }
+}
+
+/// How much of what the photo's file said goes along.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Keep {
+    /// EXIF and XMP, made true for the picture.
+    #[default]
+    All,
+    /// The same without the position.
+    WithoutPosition,
+    /// Neither; the colour profile stays, as without it the colours would change.
+    Nothing,
+}
+
+/// Where a picture comes from: what its numbers mean, and what is known about the photo.
+#[derive(Clone, Debug, Default)]
+pub struct Origin {
+    /// The photo's metadata.
+    pub metadata: Metadata,
+    /// The curve between the picture's linear light and stored values.
+    pub transfer: Transfer,
+    /// The photo's file, which is not to be written over.
+    pub source: Option<PathBuf>,
+}
+
+impl Origin {
+    /// For pictures whose light is in the photo's own primaries (what the lens renderer makes): its profile stays.
+    pub fn in_own_space(photo: &Photo) -> Self {
+        let metadata = photo.metadata().clone();
+        let transfer = Transfer::of_profile(metadata.icc.as_deref());
+        Self { metadata, transfer, source: photo.source().map(Path::to_owned) }
+    }
+
+    /// For pictures in linear sRGB that were made from the photo's sRGB copy: without a profile, which means sRGB.
+    pub fn in_srgb(photo: &Photo) -> Self {
+        let metadata = Metadata { icc: None, ..photo.metadata().clone() };
+        Self { metadata, transfer: Transfer::srgb(), source: photo.source().map(Path::to_owned) }
+    }
+}
+
+/// How a picture is written.
+#[derive(Clone, Debug)]
+pub struct PictureOptions {
+    /// The format; none lets the file's name say it.
+    pub format: Option<Format>,
+    /// 8, or 16 where the format has that.
+    pub bits: u8,
+    /// Of JPEG, 1 … 100.
+    pub quality: u8,
+    /// Which metadata goes along.
+    pub keep: Keep,
+    /// Where the picture comes from.
+    pub origin: Origin,
+    /// Whether the photo's own file may be written over.
+    pub replace_source: bool,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        let origin = Origin::default();
+        Self { format: None, bits: 8, quality: 92, keep: Keep::All, origin, replace_source: false }
+    }
+}
+
+/// Stored values of a picture, `[y, x, 3]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// 8 bits a channel.
+    Eight(Vec<u8>),
+    /// 16 bits a channel.
+    Sixteen(Vec<u16>),
+}
+
+/// A picture as it will stand in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Red, green and blue of every pixel.
+    pub samples: Samples,
+}
+
+impl Pixels {
+    /// Stored values of linear light, `[y, x, 3]`.
+    pub fn from_linear(size: [u32; 2], rgb_linear: &[f32], bits: u8, transfer: &Transfer) -> Self {
+        let mut samples = Samples::with_room(bits, rgb_linear.len());
+        samples.push_linear(rgb_linear, transfer);
+        Self { size, samples }
+    }
+
+    /// The same picture with 8 bits a channel.
+    fn to_eight(&self) -> std::borrow::Cow<'_, [u8]> {
+        match &self.samples {
+            Samples::Eight(px) => px.into(),
+            Samples::Sixteen(px) => px.iter().map(|&v| ((u32::from(v) * 255 + 32767) / 65535) as u8).collect(),
+        }
+    }
+}
+
+impl Samples {
+    /// No values yet, but room for `len` of them.
+    pub fn with_room(bits: u8, len: usize) -> Self {
+        if bits > 8 { Self::Sixteen(Vec::with_capacity(len)) } else { Self::Eight(Vec::with_capacity(len)) }
+    }
+
+    /// Appends linear light, `[.., 3]`.
+    pub fn push_linear(&mut self, rgb_linear: &[f32], transfer: &Transfer) {
+        let lights = rgb_linear.iter().enumerate();
+        match self {
+            Self::Eight(px) => px.extend(lights.map(|(i, &light)| transfer.eight_from_linear(i % 3, light))),
+            Self::Sixteen(px) => px.extend(lights.map(|(i, &light)| transfer.sixteen_from_linear(i % 3, light))),
+        }
+    }
+}
+
+/// Writes a picture of linear light; the name's ending says the format.
+pub fn picture(path: &Path, picture: &Picture, options: &PictureOptions) -> Result<(), SaveError> {
+    let format = check(path, options)?;
+    let bits = if format.has_16_bits() { options.bits } else { 8 };
+    let stored = Pixels::from_linear(picture.size, &picture.rgb_linear, bits, &options.origin.transfer);
+    pixels(path, &stored, options)
+}
+
+/// Writes stored values; the name's ending says the format.
+pub fn pixels(path: &Path, pixels: &Pixels, options: &PictureOptions) -> Result<(), SaveError> {
+    let format = check(path, options)?;
+    atomic(path, |file| {
+        let mut out = BufWriter::with_capacity(1 << 18, file);
+        encode(&mut out, format, pixels, options)?;
+        out.into_inner().map(drop).map_err(|e| SaveError::from_io(e.error(), path))
+    })
+}
+
+/// Whether a picture may be written to a path, before the work is done that makes it.
+pub fn check(path: &Path, options: &PictureOptions) -> Result<Format, SaveError> {
+    if path.is_dir() {
+        return Err(SaveError::IsFolder(path.to_owned()));
+    }
+    if let Some(source) = &options.origin.source
+        && !options.replace_source
+        && same_file(source, path)
+    {
+        return Err(SaveError::IsSource(path.to_owned()));
+    }
+    options.format.or_else(|| Format::of(path)).ok_or_else(|| SaveError::Extension(path.to_owned()))
+}
