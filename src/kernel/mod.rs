@@ -1,1 +1,70 @@
-//! (to come)
+//! The direct convolution that inference and training share, on plain slices: no tensor library in sight.
+//!
+//! # Shapes
+//! All activations are row-major `[n, c, v, y, x]` (`n` pictures of a batch, `c` channels, `v` views of a light field
+//! in the order of [`crate::field`], 1 for a plain picture), weights `[c_out, c_in, (view taps,) y taps, x taps]`.
+//! A 2-D kernel treats every view by itself; [`Kernel::Volume`] also reaches one view to either side.
+//!
+//! # Forward
+//! ```no_run
+//! use plenoscope::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Padding};
+//! # let (picture, weights, bias) = (vec![0.0; 3 * 64 * 96], vec![0.0; 16 * 3 * 9], vec![0.0; 16]);
+//! let shape = ConvShape { batch: 1, channels_in: 3, channels_out: 16, views: 1, height: 64, width: 96,
+//!     kernel: Kernel::Plane, dilation: 2, padding: Padding::Edge };
+//! let conv = Conv::new(shape, Isa::best());
+//! let x = conv.pad_input(&picture);            // padded copy, also what the weight gradient wants
+//! let weights = conv.pack(&weights);           // once per weights
+//! let y = conv.forward(&x, &weights, Some(&bias), Activation::Elu, None)?;   // [1, 16, 1, 64, 96]
+//! # Ok::<(), plenoscope::job::Cancelled>(())
+//! ```
+//!
+//! # A training step of convolution → batch normalisation → ELU
+//! With `m = n·v·h·w` values per channel, mean μ and variance σ² of `z`, `istd = 1/√(σ²+ε)`:
+//! ```text
+//! forward    z, sums = conv.forward_with_sums(x̃, w̃)        sums[c] = [Σ z, Σ z²]; no bias, β takes its part
+//!            s = γ·istd,  t = β − μ·s
+//!            y = norm::elu(isa, z, [n, c, v·h·w], s, t)      y = elu(s·z + t)
+//! backward   r = norm::elu_gradient_sums(isa, z, gy, …, s, t)         r[c] = [Σ g, Σ g·z],  g = gy·elu'(s·z + t)
+//!            ∂β = r0,  ∂γ = (r1 − μ·r0)·istd,  q = ∂γ·istd/m
+//!            k = [s, −s·q, s·(q·μ − ∂β/m)]                  so that ∂z = k0·g + k1·z + k2
+//!            g̃ = conv.pad_gradient_with(|row, at| norm::elu_gradient_row(isa, z_row, gy_row, row, s, t, k))
+//!            ∂w = conv.weight_gradient(x̃, g̃),  ∂x = conv.data_gradient(g̃, w)
+//! ```
+//! [`norm::Norm`] keeps these few formulas in one place. For a convolution with bias and another activation, write
+//! `gy·act'` in the closure; the bias gradient is the sum of the rows.
+//!
+//! # Code paths
+//! [`Isa`] picks AVX-512, AVX2 + FMA or plain Rust at run time. The same generic code ([`vector::Vector`]) is compiled for
+//! each; sums are ordered differently, so results differ in the last bits.
+//!
+//! Parallel over blocks of rows on the current rayon pool; a cancel flag is looked at before each block.
+
+#![allow(unsafe_code, reason = "SIMD intrinsics and writing disjoint rows of one buffer from several threads")]
+
+mod conv;
+mod driver;
+mod gradient;
+mod isa;
+pub mod norm;
+mod pack;
+mod padded;
+mod portable;
+mod shape;
+mod tile;
+mod vector;
+mod weight_tile;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+#[cfg(test)]
+mod tests;
+
+pub use conv::{Conv, Sums};
+pub use isa::Isa;
+pub use pack::Packed;
+pub use padded::{Padded, RowAt};
+pub use shape::{ConvShape, Kernel, Padding};
+pub use tile::Activation;

@@ -1,0 +1,146 @@
+//! What the generic code asks of a vector register, and the functions built on it.
+//!
+//! Everything here is inlined into an entry point that has the instructions switched on ([`entry_points`]).
+
+/// A register of `f32`. Each operation is lane by lane.
+///
+/// # Safety
+/// Of all functions: the processor has the instructions of the type, pointers are good for what is read or written.
+pub(super) trait Vector: Copy {
+    /// Values in the register.
+    const LANES: usize;
+    unsafe fn splat(value: f32) -> Self;
+    unsafe fn load(from: *const f32) -> Self;
+    /// The first `n` < `LANES` values; the others are 0.
+    unsafe fn load_first(from: *const f32, n: usize) -> Self;
+    unsafe fn store(self, to: *mut f32);
+    /// Writes the first `n` < `LANES` values.
+    unsafe fn store_first(self, to: *mut f32, n: usize);
+    unsafe fn add(self, other: Self) -> Self;
+    unsafe fn sub(self, other: Self) -> Self;
+    unsafe fn mul(self, other: Self) -> Self;
+    unsafe fn div(self, other: Self) -> Self;
+    unsafe fn min(self, other: Self) -> Self;
+    unsafe fn max(self, other: Self) -> Self;
+    /// `self · factor + summand`.
+    unsafe fn mul_add(self, factor: Self, summand: Self) -> Self;
+    /// The nearest whole number.
+    unsafe fn round(self) -> Self;
+    /// `self · 2^exponent`, the exponent whole, −126 … 0.
+    unsafe fn scale(self, exponent: Self) -> Self;
+    /// `positive` where `self` > 0, else `other` (also where `self` is NaN).
+    unsafe fn if_positive(self, positive: Self, other: Self) -> Self;
+    /// The sum of all values.
+    unsafe fn sum(self) -> f32;
+}
+
+/// `exp(x)` for x ≤ 0, relative error below 2e-7 (Cephes `expf`: range reduction by ln 2, polynomial of degree 7).
+#[inline(always)]
+pub(super) unsafe fn exp_of_negative<V: Vector>(x: V) -> V {
+    // SAFETY: see the trait; no memory is touched.
+    unsafe {
+        let x = V::splat(-87.0).max(x);
+        let k = x.mul(V::splat(std::f32::consts::LOG2_E)).round();
+        let r = k.mul_add(V::splat(-0.693_359_4), x);
+        let r = k.mul_add(V::splat(2.121_944_4e-4), r);
+        let mut p = V::splat(1.987_569_1e-4);
+        for coefficient in [1.398_2e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 5.000_000_1e-1] {
+            p = p.mul_add(r, V::splat(coefficient));
+        }
+        r.mul(r).mul_add(p, r).add(V::splat(1.0)).scale(k)
+    }
+}
+
+/// `x` where positive, else `exp(x) − 1`. NaN stays NaN.
+#[inline(always)]
+pub(super) unsafe fn elu<V: Vector>(x: V) -> V {
+    // SAFETY: see the trait; no memory is touched.
+    unsafe {
+        let negative = exp_of_negative(V::splat(0.0).min(x)).sub(V::splat(1.0));
+        x.if_positive(x, negative)
+    }
+}
+
+/// The derivative of [`elu`].
+#[inline(always)]
+pub(super) unsafe fn elu_slope<V: Vector>(x: V) -> V {
+    // SAFETY: see the trait; no memory is touched.
+    unsafe { x.if_positive(V::splat(1.0), exp_of_negative(V::splat(0.0).min(x))) }
+}
+
+/// `tanh(x)`, error below 4e-7 (the rational function of Eigen's `ptanh`, odd of degree 13 over 6).
+#[inline(always)]
+pub(super) unsafe fn tanh<V: Vector>(x: V) -> V {
+    const ODD: [f32; 6] = [2.000_188e-13, -8.604_672e-11, 5.122_297e-8, 1.485_722_3e-5, 6.372_619_4e-4, 4.893_524_6e-3];
+    const EVEN: [f32; 3] = [1.185_347_1e-4, 2.268_434_6e-3, 4.893_525e-3];
+    // SAFETY: see the trait; no memory is touched.
+    unsafe {
+        let limit = V::splat(7.905_31);
+        let x = limit.min(V::splat(-7.905_31).max(x));
+        let square = x.mul(x);
+        let mut odd = V::splat(-2.760_768_5e-16);
+        for coefficient in ODD {
+            odd = odd.mul_add(square, V::splat(coefficient));
+        }
+        let mut even = V::splat(1.198_258_4e-6);
+        for coefficient in EVEN {
+            even = even.mul_add(square, V::splat(coefficient));
+        }
+        x.mul(odd).div(even)
+    }
+}
+
+/// The functions that the rest of the kernel calls, compiled for one set of instructions.
+macro_rules! entry_points {
+    ($vector:ty $(, $features:literal)?) => {
+        use $crate::kernel::{norm, tile, weight_tile};
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
+            // SAFETY: the caller's word.
+            unsafe { tile::run::<$vector>(tile) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn weight_gradient_tile(tile: &weight_tile::WeightTile, sums: *mut f32) {
+            // SAFETY: the caller's word.
+            unsafe { weight_tile::run::<$vector>(tile, sums) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn sum_and_squares(values: &[f32]) -> [f64; 2] {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::sum_and_squares::<$vector>(values) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn activate(values: &mut [f32], activation: tile::Activation) {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::activate::<$vector>(values, activation) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn elu_row(z: &[f32], y: *mut f32, scale: f32, shift: f32) {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::elu_row::<$vector>(z, y, scale, shift) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn elu_gradient_sums(z: &[f32], gy: &[f32], scale: f32, shift: f32) -> [f64; 2] {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::elu_gradient_sums::<$vector>(z, gy, scale, shift) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn elu_gradient_row(
+            z: &[f32],
+            gy: &[f32],
+            gz: &mut [f32],
+            channel: norm::Channel,
+        ) {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::elu_gradient_row::<$vector>(z, gy, gz, channel) }
+        }
+    };
+}
+pub(super) use entry_points;
