@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::tract::EngineError;
 use crate::field::FieldError;
 use crate::job::Cancelled;
 
@@ -42,15 +43,29 @@ pub enum ModelError {
         /// Where it lies.
         place: String,
     },
-    /// Not ONNX, or with an operation or a shape that cannot be run.
-    #[error("model {id} cannot be run — {why} — use a model with the shapes of its manifest: {place}")]
-    Unusable {
+    /// Not ONNX, damaged weights, or an operation or a shape that cannot be run.
+    #[error("model {id}: {source}: {place}")]
+    Engine {
         /// Name of the model.
         id: String,
         /// Where it lies.
         place: String,
-        /// What the engine said, in one line.
-        why: String,
+        /// What the engine said: a sentence with what to do.
+        source: EngineError,
+    },
+    /// Its answer does not have the shape that its manifest promises.
+    #[error(
+        "model {id} does not fit its manifest — it answers {got} where {want} is needed — correct one of them: {place}"
+    )]
+    Shape {
+        /// Name of the model.
+        id: String,
+        /// Where it lies.
+        place: String,
+        /// The shape of its answer.
+        got: String,
+        /// The shape that the manifest promises.
+        want: String,
     },
     /// It answers with values that are not numbers.
     #[error(

@@ -1,12 +1,37 @@
-//! From one photo to a light field: depth net → Lambertian rendering → occlusion net.
+//! From one photo to a light field (paper, §3): depth net → Lambertian rendering → occlusion net.
+//!
+//! ```text
+//! Photo ─picture─► reference view ─depth─► working scale ─upsample─► reference map ─lift─► RayDepths
+//!       ─lambertian─► views ─occlusion─► corrected views ─► LightField
+//! ```
+//!
+//! [`Synthesizer`] knows the order; every other file does one arrow. Models come from a [`ModelSource`] and say what
+//! they are in a [`Manifest`]; only `tract` runs them.
 
+mod depth;
 mod error;
+pub mod fuse;
+pub mod lambertian;
 mod library;
+pub mod lift;
 mod manifest;
+mod memory;
+mod net;
+mod occlusion;
+mod params;
+mod picture;
+mod pipeline;
+mod relative;
+mod resample;
+pub mod sweep;
 pub mod tract;
+pub mod upsample;
 
 pub use error::{ModelError, SynthError};
 pub use library::{ModelFile, ModelIndex, ModelSource, ModelTag};
 pub use manifest::{
     Channels, ColourOrder, Layout, LongSides, Manifest, RayDepthsFrom, RelativeOutput, RelativeRules, Task,
 };
+pub use params::{DepthSource, SynthParams, Synthesis};
+pub use picture::{Signed, reference_view};
+pub use pipeline::Synthesizer;

@@ -19,6 +19,7 @@ use tract_onnx::tract_core::internal::DimLike as _;
 
 pub use error::EngineError;
 pub use options::{Options, Path};
+pub(crate) use threads::pool;
 
 use crate::job::Cancel;
 

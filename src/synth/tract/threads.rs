@@ -10,7 +10,7 @@ use super::EngineError;
 static POOLS: LazyLock<Mutex<BTreeMap<usize, Arc<ThreadPool>>>> = LazyLock::new(Mutex::default);
 
 /// The pool with `threads` threads; 0 means one per processor core.
-pub(super) fn pool(threads: usize) -> Result<Arc<ThreadPool>, EngineError> {
+pub(crate) fn pool(threads: usize) -> Result<Arc<ThreadPool>, EngineError> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(pool) = pools.get(&threads) {
         return Ok(Arc::clone(pool));

@@ -1,0 +1,110 @@
+//! A model that keeps itself warm: made ready once a shape, run many times.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::tract::{EngineError, Options, Output, Runnable, prepare};
+use super::{Manifest, ModelError, ModelFile, ModelTag, SynthError};
+use crate::job::{Cancel, Cancelled};
+
+/// Shapes that are kept ready; the oldest goes first.
+const WARM_SHAPES: usize = 8;
+/// Side of the small picture that a model is tried with when it is loaded.
+const TRIAL_SIDE: usize = 16;
+
+/// A checked model and the shapes it is ready for.
+pub(super) struct Net {
+    file: ModelFile,
+    warm: Mutex<Vec<(usize, Runnable)>>,
+}
+
+impl Net {
+    /// Takes a model whose input at `[h, w]` is `input(h, w)` and whose answer must be `output(h, w)`.
+    pub(super) fn load(
+        file: ModelFile,
+        input: impl Fn(usize, usize) -> Vec<usize>,
+        output: impl Fn(usize, usize) -> Vec<usize>,
+    ) -> Result<Self, ModelError> {
+        let net = Self { file, warm: Mutex::default() };
+        let side = TRIAL_SIDE.max(net.manifest().multiple_of as usize);
+        let options = Options { threads: 1, ..Options::default() };
+        let trial = prepare(&net.file.onnx, &input(side, side), &options).map_err(|error| net.engine(error))?;
+        let (got, want) = (trial.output_shape(), output(side, side));
+        if got == want { Ok(net) } else { Err(net.shape(got, &want)) }
+    }
+
+    /// Takes a model whose answer is looked at only when it comes.
+    pub(super) fn unchecked(file: ModelFile) -> Self {
+        Self { file, warm: Mutex::default() }
+    }
+
+    /// Width and height of an answer that is one map: its axes that are longer than 1, or the last two.
+    pub(super) fn map_size(&self, output: &Output) -> Result<[usize; 2], ModelError> {
+        let shape = output.shape();
+        match shape.iter().copied().filter(|n| *n > 1).collect::<Vec<_>>()[..] {
+            [h, w] => Ok([w, h]),
+            _ if shape.len() >= 2 && output.len() == shape[shape.len() - 2] * shape[shape.len() - 1] => {
+                Ok([shape[shape.len() - 1], shape[shape.len() - 2]])
+            }
+            _ => Err(self.shape(shape, &[1, 1])),
+        }
+    }
+
+    /// What the model says about itself.
+    pub(super) fn manifest(&self) -> &Manifest {
+        &self.file.manifest
+    }
+
+    /// Its name and checksum.
+    pub(super) fn tag(&self) -> ModelTag {
+        self.file.tag()
+    }
+
+    /// Runs it on the row-major values of an input of this shape.
+    ///
+    /// # Errors
+    /// Cancelled; a shape that the model does not take; an answer that is not finite.
+    pub(super) fn run(
+        &self,
+        shape: &[usize],
+        input: &[f32],
+        threads: usize,
+        cancel: &Cancel,
+    ) -> Result<Output, SynthError> {
+        let output = self.ready(shape, threads)?.run(input, cancel).map_err(|error| self.synth(error))?;
+        if output.iter().all(|value| value.is_finite()) {
+            return Ok(output);
+        }
+        Err(ModelError::NotFinite { id: self.manifest().id.clone(), place: self.file.place.clone() }.into())
+    }
+
+    fn ready(&self, shape: &[usize], threads: usize) -> Result<Runnable, SynthError> {
+        let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, net)) = warm.iter().find(|(n, net)| *n == threads && net.input_shape() == shape) {
+            return Ok(net.clone());
+        }
+        let options = Options { threads, ..Options::default() };
+        let net = prepare(&self.file.onnx, shape, &options).map_err(|error| self.synth(error))?;
+        if warm.len() == WARM_SHAPES {
+            warm.remove(0);
+        }
+        warm.push((threads, net.clone()));
+        Ok(net)
+    }
+
+    fn synth(&self, error: EngineError) -> SynthError {
+        match error {
+            EngineError::Cancelled => Cancelled.into(),
+            EngineError::Threads { source } => SynthError::Threads(source.to_string()),
+            other => self.engine(other).into(),
+        }
+    }
+
+    fn engine(&self, source: EngineError) -> ModelError {
+        ModelError::Engine { id: self.manifest().id.clone(), place: self.file.place.clone(), source }
+    }
+
+    fn shape(&self, got: &[usize], want: &[usize]) -> ModelError {
+        let (got, want) = (format!("{got:?}"), format!("{want:?}"));
+        ModelError::Shape { id: self.manifest().id.clone(), place: self.file.place.clone(), got, want }
+    }
+}

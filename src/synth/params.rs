@@ -1,0 +1,57 @@
+//! What a caller may ask of the synthesis, and what comes out.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::ModelTag;
+use crate::field::{DisparityMap, LightField, RayDepths};
+
+/// Where the reference view's ray depth comes from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub enum DepthSource {
+    /// The depth net.
+    #[default]
+    Network,
+    /// The map that the phone measured ([`SynthParams::phone`]), refined with the photo.
+    Phone,
+    /// The phone's order on the depth net's scale, edges from net and photo.
+    Fused,
+    /// A `relative-depth` model of the models folder, by name.
+    Model(String),
+}
+
+/// What a caller may ask of the synthesis.
+#[derive(Clone, Debug)]
+pub struct SynthParams {
+    /// Long side of a view, in pixels; never enlarges the photo.
+    pub long_side: u32,
+    /// Whether the occlusion net corrects the Lambertian views.
+    pub occlusion: bool,
+    /// Threads that compute; 0 means one per processor core.
+    pub threads: usize,
+    /// Ray depth of the reference view, instead of any other source (`--disparity`). Used as it is: no guide.
+    pub disparity: Option<Arc<DisparityMap>>,
+    /// Where the ray depth comes from otherwise.
+    pub source: DepthSource,
+    /// What the phone measured: larger is nearer, scale unknown. For [`DepthSource::Phone`] and `Fused`.
+    pub phone: Option<Arc<DisparityMap>>,
+}
+
+impl Default for SynthParams {
+    fn default() -> Self {
+        Self { long_side: 540, occlusion: true, threads: 0, disparity: None, source: DepthSource::Network, phone: None }
+    }
+}
+
+/// A light field made from one photo.
+#[derive(Clone, Debug)]
+pub struct Synthesis {
+    /// The views.
+    pub field: Arc<LightField>,
+    /// The disparity of every ray.
+    pub depths: Arc<RayDepths>,
+    /// The models that took part.
+    pub models: Vec<ModelTag>,
+    /// How long it took.
+    pub took: Duration,
+}

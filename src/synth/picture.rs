@@ -1,0 +1,127 @@
+//! The photo at the size of a view, and as the numbers that nets and warps read.
+
+use glam::Vec4;
+use rayon::prelude::*;
+
+use super::resample::{Filter, resample, resample_rows};
+use crate::field::color::{linear_from_srgb8, signed_from_u8, srgb_from_linear, srgb8_from_linear};
+use crate::field::{FieldError, Photo, View, fit_long_side};
+
+/// The reference view: the photo, its longer side at most `long_side`, light averaged as light.
+///
+/// # Errors
+/// None for a photo that is valid.
+pub fn reference_view(photo: &Photo, long_side: u32) -> Result<View, FieldError> {
+    let target = fit_long_side(photo.size(), long_side);
+    if target == photo.size() {
+        return View::new(target, photo.srgb8().to_vec());
+    }
+    let light = shrink(photo, target.map(|side| side as usize));
+    let encode =
+        |pixel: &[f32]| [srgb8_from_linear(pixel[0]), srgb8_from_linear(pixel[1]), srgb8_from_linear(pixel[2]), 255];
+    let rgba: Vec<[u8; 4]> = light.par_chunks_exact(3).map(encode).collect();
+    View::new(target, rgba.into_flattened())
+}
+
+/// Linear light of the photo at another size. Large photos take a cheap step to twice the size first.
+fn shrink(photo: &Photo, target: [usize; 2]) -> Vec<f32> {
+    let source = photo.size().map(|side| side as usize);
+    let rows = |y: usize, buffer: &mut [f32]| light_row(photo.srgb8(), source[0], y, buffer);
+    let half = target.map(|side| side * 2);
+    if source[0] < 2 * half[0] || source[1] < 2 * half[1] {
+        return resample_rows::<3>(source, target, Filter::Lanczos3, rows);
+    }
+    let between = resample_rows::<3>(source, half, Filter::Linear, rows);
+    resample::<3>(&between, half, target, Filter::Lanczos3)
+}
+
+fn light_row(rgba: &[u8], width: usize, y: usize, buffer: &mut [f32]) {
+    let row = &rgba[y * width * 4..(y + 1) * width * 4];
+    for (light, pixel) in buffer.chunks_exact_mut(3).zip(row.chunks_exact(4)) {
+        (0..3).for_each(|c| light[c] = linear_from_srgb8(pixel[c]));
+    }
+}
+
+/// A view's pixels as the nets see them, sRGB-encoded in −1 … 1, ready for bilinear taps.
+///
+/// # Shapes
+/// - `pixels`: `[y, x]` of (r, g, b, 0)
+#[derive(Clone, Debug)]
+pub struct Signed {
+    /// Width and height.
+    pub size: [usize; 2],
+    /// `[y, x]`.
+    pub pixels: Vec<Vec4>,
+}
+
+impl Signed {
+    /// From 8-bit pixels.
+    pub fn from_view(view: &View) -> Self {
+        let pixel = |p: &[u8]| Vec4::new(signed_from_u8(p[0]), signed_from_u8(p[1]), signed_from_u8(p[2]), 0.0);
+        Self { size: view.size().map(|side| side as usize), pixels: view.rgba().chunks_exact(4).map(pixel).collect() }
+    }
+
+    /// The same picture at another size, light averaged as light.
+    pub fn resized(view: &View, target: [usize; 2]) -> Self {
+        let source = view.size().map(|side| side as usize);
+        if source == target {
+            return Self::from_view(view);
+        }
+        let rows = |y: usize, buffer: &mut [f32]| light_row(view.rgba(), source[0], y, buffer);
+        let light = resample_rows::<3>(source, target, Filter::Lanczos3, rows);
+        let signed = |v: f32| srgb_from_linear(v) * 2.0 - 1.0;
+        let pixel = |p: &[f32]| Vec4::new(signed(p[0]), signed(p[1]), signed(p[2]), 0.0);
+        Self { size: target, pixels: light.chunks_exact(3).map(pixel).collect() }
+    }
+
+    /// The colour at a place between pixels: coordinates clamped to the picture, then bilinear.
+    #[inline]
+    pub fn tap(&self, x: f32, y: f32) -> Vec4 {
+        let [w, h] = self.size;
+        let (x, y) = (x.clamp(0.0, (w - 1) as f32), y.clamp(0.0, (h - 1) as f32));
+        let (x0, y0) = (x as usize, y as usize);
+        let (x1, y1) = ((x0 + 1).min(w - 1), (y0 + 1).min(h - 1));
+        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let (top, bottom) = (&self.pixels[y0 * w..][..w], &self.pixels[y1 * w..][..w]);
+        let above = top[x0] + (top[x1] - top[x0]) * fx;
+        let below = bottom[x0] + (bottom[x1] - bottom[x0]) * fx;
+        above + (below - above) * fy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checkers(size: [u32; 2]) -> Photo {
+        let pixel =
+            |i: u32| if (i % size[0] + i / size[0]).is_multiple_of(2) { [255, 255, 255, 255] } else { [0, 0, 0, 255] };
+        Photo::from_srgb8(size, (0..size[0] * size[1]).flat_map(pixel).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_small_photo_is_its_own_reference_view() {
+        let photo = checkers([30, 20]);
+        assert_eq!(reference_view(&photo, 540).unwrap().rgba(), &photo.srgb8()[..]);
+    }
+
+    #[test]
+    fn black_and_white_average_to_half_the_light_not_half_the_code() {
+        for side in [80, 400] {
+            let view = reference_view(&checkers([side, side]), 20).unwrap();
+            assert_eq!(view.size(), [20, 20]);
+            let middle = view.pixel(10, 10)[0];
+            assert!(middle.abs_diff(188) <= 1, "sRGB {middle} where half the light is 188");
+        }
+    }
+
+    #[test]
+    fn taps_are_exact_on_pixels_and_clamp_outside() {
+        let view = View::new([2, 1], vec![0, 0, 0, 255, 255, 255, 255, 255]).unwrap();
+        let signed = Signed::from_view(&view);
+        assert_eq!(signed.tap(0.0, 0.0).x, -1.0);
+        assert_eq!(signed.tap(0.5, 7.0).x, 0.0);
+        assert_eq!(signed.tap(-9.0, -9.0).x, -1.0);
+        assert_eq!(signed.tap(9.0, 0.0).x, 1.0);
+    }
+}

@@ -1,0 +1,223 @@
+//! The order of the stages: photo → ray depths → Lambertian views → corrected views, streamed as they come.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::depth::{DepthNet, NetDepths};
+use super::occlusion::OcclusionNet;
+use super::picture::{Signed, reference_view};
+use super::relative::RelativeNet;
+use super::resample::{Filter, nearest, resample};
+use super::{DepthSource, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task};
+use super::{fuse, lambertian, lift, memory, tract, upsample};
+use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex, fit_long_side};
+use crate::job::{Job, Stage};
+
+/// Long side above which the occlusion net's residual is computed small and enlarged.
+const OCCLUSION_LONG_SIDE: u32 = 540;
+
+/// Makes light fields from photos. Keeps its nets warm between photos of one size.
+pub struct Synthesizer {
+    source: ModelSource,
+    depth: DepthNet,
+    occlusion: Option<OcclusionNet>,
+}
+
+impl Synthesizer {
+    /// Loads and checks the pair of nets that a source names.
+    pub fn load(source: &ModelSource) -> Result<Self, ModelError> {
+        let index = source.index()?;
+        let depth = DepthNet::load(source.model(&index.depth, Task::RayDepth)?)?;
+        let occlusion = match &index.occlusion {
+            Some(id) => Some(OcclusionNet::load(source.model(id, Task::Occlusion)?, depth.grid())?),
+            None => None,
+        };
+        Ok(Self { source: source.clone(), depth, occlusion })
+    }
+
+    /// Rows and columns of the views that it makes.
+    pub fn grid(&self) -> ViewGrid {
+        self.depth.grid()
+    }
+
+    /// Name and checksum of the models that take part in a synthesis with these parameters.
+    pub fn models(&self, params: &SynthParams) -> Vec<ModelTag> {
+        let net = params.disparity.is_none() && matches!(params.source, DepthSource::Network | DepthSource::Fused);
+        let depth = net.then(|| self.depth.net().tag());
+        let occlusion = self.occlusion.as_ref().filter(|_| params.occlusion).map(|net| net.net().tag());
+        depth.into_iter().chain(occlusion).collect()
+    }
+
+    /// Makes a light field. The sink hears of ray depths, then of Lambertian views from the middle outward, then of
+    /// corrected ones.
+    pub fn synthesize(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<Synthesis, SynthError> {
+        let started = Instant::now();
+        let size = fit_long_side(photo.size(), params.long_side.max(1));
+        memory::check(size, self.grid())?;
+        let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
+        let (field, depths) = pool.install(|| self.stages(photo, params, job))?;
+        Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() })
+    }
+
+    fn stages(
+        &self,
+        photo: &Photo,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<(Arc<LightField>, Arc<RayDepths>), SynthError> {
+        job.advance(Stage::Depth, 0, 3)?;
+        let reference = Arc::new(reference_view(photo, params.long_side.max(1))?);
+        job.sink.view(self.grid().reference(), &reference);
+        let depths = Arc::new(self.ray_depths(&reference, params, job)?);
+        job.advance(Stage::Depth, 3, 3)?;
+        job.sink.depths(&depths);
+        let signed = Signed::from_view(&reference);
+        let mut views = lambertian_views(&reference, &signed, &depths, job)?;
+        if let Some(net) = self.occlusion.as_ref().filter(|_| params.occlusion) {
+            correct(net, &reference, &signed, &depths, params.threads, job, &mut views)?;
+        }
+        Ok((Arc::new(LightField::new(self.grid(), views)?), depths))
+    }
+
+    /// The disparity of every ray, from whatever source was asked for.
+    fn ray_depths(&self, reference: &View, params: &SynthParams, job: &Job) -> Result<RayDepths, SynthError> {
+        if let Some(map) = &params.disparity {
+            return Ok(lift::lifted(&at_size(map, reference.size()), self.grid(), job)?);
+        }
+        let threads = params.threads;
+        let map = match (&params.source, &params.phone) {
+            (DepthSource::Model(id), _) => self.relative(id)?.estimate(reference, threads, job)?,
+            (DepthSource::Phone, Some(phone)) => upsample::to_guide(phone, reference),
+            (DepthSource::Fused, Some(phone)) => {
+                let net = self.depth.estimate(reference, threads, job)?.reference();
+                fuse::fuse(&net, phone, reference)
+            }
+            (source, _) => {
+                if *source != DepthSource::Network {
+                    job.sink.warning("This photo has no depth of its own, so the network's is used".to_owned());
+                }
+                return self.net_ray_depths(reference, threads, job);
+            }
+        };
+        Ok(lift::lifted(&map, self.grid(), job)?)
+    }
+
+    fn relative(&self, id: &str) -> Result<RelativeNet, SynthError> {
+        Ok(RelativeNet::load(self.source.model(id, Task::RelativeDepth)?)?)
+    }
+
+    fn net_ray_depths(&self, reference: &View, threads: usize, job: &Job) -> Result<RayDepths, SynthError> {
+        let net = self.depth.estimate(reference, threads, job)?;
+        job.advance(Stage::Depth, 1, 3)?;
+        let refined = upsample::to_guide(&net.reference(), reference);
+        job.advance(Stage::Depth, 2, 3)?;
+        match self.depth.net().manifest().ray_depths {
+            RayDepthsFrom::Lift => Ok(lift::lifted(&refined, self.grid(), job)?),
+            RayDepthsFrom::Net => Ok(all_maps(&net, refined)?),
+        }
+    }
+}
+
+/// The net's own maps at the size of the views; the reference view's is the refined one.
+fn all_maps(net: &NetDepths, refined: DisparityMap) -> Result<RayDepths, SynthError> {
+    let target = refined.size.map(|side| side as usize);
+    let ratio = target[0] as f32 / net.size[0] as f32;
+    let own = net.grid.layer_from_view(net.grid.reference());
+    let layer = |layer: usize| match layer == own {
+        true => refined.disparity_px.clone(),
+        false => {
+            let map = resample::<1>(net.layer(layer), net.size, target, Filter::Linear);
+            map.into_iter().map(|d| d * ratio).collect()
+        }
+    };
+    let maps: Vec<f32> = (0..net.grid.count()).into_par_iter().flat_map_iter(layer).collect();
+    Ok(RayDepths::new(net.grid, refined.size, maps)?)
+}
+
+/// A map that was given, at the size of the views. Shrinking takes the nearest values: averages would invent depths.
+fn at_size(map: &DisparityMap, size: [u32; 2]) -> DisparityMap {
+    let (from, to) = (map.size.map(|s| s as usize), size.map(|s| s as usize));
+    let ratio = size[0] as f32 / map.size[0] as f32;
+    let values = match from[0] >= to[0] {
+        true => nearest(&map.disparity_px, from, to),
+        false => resample::<1>(&map.disparity_px, from, to, Filter::Linear),
+    };
+    DisparityMap { size, disparity_px: values.into_iter().map(|d| d * ratio).collect() }
+}
+
+/// All Lambertian views in `[v, u]` order; the sink hears of them from the middle outward.
+fn lambertian_views(
+    reference: &Arc<View>,
+    photo: &Signed,
+    depths: &RayDepths,
+    job: &Job,
+) -> Result<Vec<Arc<View>>, SynthError> {
+    let grid = depths.grid();
+    spiral(grid, Some(Stage::Warp), job, |at| match at == grid.reference() {
+        true => Ok(Arc::clone(reference)),
+        false => Ok(Arc::new(lambertian::render_view(photo, depths.view(at), grid.offset(at))?)),
+    })
+}
+
+/// Replaces each view but the reference by its corrected one.
+fn correct(
+    net: &OcclusionNet,
+    reference: &Arc<View>,
+    photo: &Signed,
+    depths: &RayDepths,
+    threads: usize,
+    job: &Job,
+    views: &mut Vec<Arc<View>>,
+) -> Result<(), SynthError> {
+    let grid = depths.grid();
+    let small = fit_long_side(reference.size(), OCCLUSION_LONG_SIDE);
+    let residuals = if small == reference.size() {
+        net.residuals(photo, depths, threads, job)?
+    } else {
+        let (photo, depths) = shrunk(reference, depths, small)?;
+        net.residuals(&photo, &depths, threads, job)?
+    };
+    *views = spiral(grid, None, job, |at| match at == grid.reference() {
+        true => Ok(Arc::clone(reference)),
+        false => Ok(Arc::new(residuals.correct(photo, depths, grid.layer_from_view(at))?)),
+    })?;
+    Ok(())
+}
+
+/// Photo and ray depths at the size at which the occlusion net works.
+fn shrunk(reference: &View, depths: &RayDepths, size: [u32; 2]) -> Result<(Signed, RayDepths), SynthError> {
+    let (from, to) = (depths.size().map(|s| s as usize), size.map(|s| s as usize));
+    let ratio = to[0] as f32 / from[0] as f32;
+    let maps: Vec<f32> = depths
+        .disparity_px()
+        .par_chunks_exact(from[0] * from[1])
+        .flat_map_iter(|map| nearest(map, from, to).into_iter().map(|d| d * ratio))
+        .collect();
+    Ok((Signed::resized(reference, to), RayDepths::new(depths.grid(), size, maps)?))
+}
+
+/// Makes all views in parallel, a few at a time from the middle outward, and tells the sink of each.
+fn spiral(
+    grid: ViewGrid,
+    stage: Option<Stage>,
+    job: &Job,
+    make: impl Fn(ViewIndex) -> Result<Arc<View>, SynthError> + Sync,
+) -> Result<Vec<Arc<View>>, SynthError> {
+    let order = grid.spiral();
+    let mut views: Vec<Option<Arc<View>>> = vec![None; grid.count()];
+    let at_once = rayon::current_num_threads().max(1);
+    for (round, group) in order.chunks(at_once).enumerate() {
+        let made: Result<Vec<_>, _> = group.par_iter().map(|at| make(*at)).collect();
+        for (at, view) in group.iter().zip(made?) {
+            job.sink.view(*at, &view);
+            views[grid.layer_from_view(*at)] = Some(view);
+        }
+        match stage {
+            Some(stage) => job.advance(stage, (round * at_once + group.len()) as u32, grid.count() as u32)?,
+            None => job.check()?,
+        }
+    }
+    Ok(views.into_iter().flatten().collect())
+}
