@@ -1,1 +1,3 @@
+//! Trains Plenoscope's nets: data engine, losses, loop, evaluation, export.
 
+pub mod scenes;

@@ -1,0 +1,57 @@
+//! What can be wrong with training data. Each text names the file and what is expected of it.
+
+use std::path::{Path, PathBuf};
+
+/// Training data that cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// A file is missing or unreadable.
+    #[error("cannot read the {what}: {reason}; expected {expected}: {}", path.display())]
+    Read {
+        /// Photo, mask, view …
+        what: &'static str,
+        /// Why it failed.
+        reason: String,
+        /// What should be there.
+        expected: String,
+        /// The file.
+        path: PathBuf,
+    },
+    /// A mask, map or view of another size than the picture it belongs to.
+    #[error("the {what} has {} × {} pixels; expected {} × {} as {beside}: {}", got[0], got[1], want[0], want[1], path.display())]
+    Size {
+        /// Mask, view …
+        what: &'static str,
+        /// Width and height found.
+        got: [usize; 2],
+        /// Width and height expected.
+        want: [usize; 2],
+        /// What sets the size.
+        beside: &'static str,
+        /// The file.
+        path: PathBuf,
+    },
+    /// Nothing to train on.
+    #[error("the folder holds no training pictures; expected flowers/, everyday/, photos_depth/ or lightfields/ in it: {}", path.display())]
+    Empty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Numbers that cannot work.
+    #[error("{what} is {got}; expected {expected}")]
+    Config {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        got: String,
+        /// What it may be.
+        expected: &'static str,
+    },
+}
+
+impl SceneError {
+    /// A [`SceneError::Read`].
+    pub fn read(what: &'static str, path: &Path, reason: impl ToString, expected: impl Into<String>) -> Self {
+        Self::Read { what, reason: reason.to_string(), expected: expected.into(), path: path.to_owned() }
+    }
+}

@@ -1,0 +1,352 @@
+//! The data engine: light fields with exact ray depths, composed on the fly from photos.
+//!
+//! [`Source::new`] decodes everything once; [`Source::sample`] is then a pure function of the seed and an index, so
+//! a run can be repeated to the byte and resumed anywhere, from any number of threads. Kinds of sample ([`Kind`]):
+//!
+//! * **Lifted**: a masked photo as two layers, the subject with a soft edge before its surround, which is filled in
+//!   behind it. Where the photo has a nearness map too, the map gives both layers their depth.
+//! * **Collage**: one photo's background, cut-outs of others, blades, stems and leaves at sorted depths, each blurred
+//!   by its distance from the focal plane. The ground may rise in any direction, subjects may hang anywhere: this is
+//!   what keeps a net from believing that lower is always nearer.
+//! * **Pseudo**: a nearness map lifted to ray depths of all views, by following each ray to its first crossing.
+//! * **Real**: crops of real light fields, without ray depths.
+//!
+//! Nearness 0 … 1 becomes a disparity of `range · (nearness − 0.85)` with a range of 1.2 px per view step at a long
+//! side of 288 px, in proportion at others: the focal plane lies at the subject, backgrounds are negative.
+
+mod collage;
+mod cutout;
+mod error;
+pub mod layer;
+mod library;
+mod lifted;
+mod place;
+mod plants;
+pub mod raster;
+mod real;
+pub mod rng;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+
+use plenoscope::field::ViewGrid;
+use serde::{Deserialize, Serialize};
+
+pub use error::SceneError;
+use layer::Scene;
+pub use library::{Library, Picture, VALIDATION_LIGHT_FIELDS, read_rgb};
+use place::{Canvas, Place};
+use rng::Rng;
+
+/// Layer of the reference view (4, 4).
+pub const REFERENCE: usize = 36;
+/// Nearness of the focal plane.
+pub const FOCAL_NEARNESS: f32 = 0.85;
+
+/// Which side of the split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Split {
+    /// To learn from.
+    Train,
+    /// To be judged by.
+    #[serde(alias = "test")]
+    Val,
+}
+
+/// Shares of the kinds of sample; they need not add up to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Mix {
+    /// Masked photos of two layers.
+    pub lifted: f32,
+    /// Compositions of cut-outs and plants.
+    pub collage: f32,
+    /// Lifted nearness maps.
+    pub pseudo: f32,
+    /// Real light fields.
+    pub real: f32,
+}
+
+impl Default for Mix {
+    fn default() -> Self {
+        Self { lifted: 0.35, collage: 0.25, pseudo: 0.3, real: 0.1 }
+    }
+}
+
+/// What samples are made of and how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Config {
+    /// The folder that holds `flowers/`, `everyday/`, `photos_depth/`, `lightfields/`.
+    pub data: PathBuf,
+    /// Long side in pixels of the whole picture: the working scale.
+    pub long_side: usize,
+    /// Width and height of a sample; never larger than `long_side`.
+    pub crop: [usize; 2],
+    /// Views in a sample, the reference view among them: 1 … 64.
+    pub views_per_sample: usize,
+    /// So many samples in a row have the same views (a batch).
+    pub views_group: u64,
+    /// Shares of the kinds.
+    pub mix: Mix,
+    /// Share of flowers (against everyday photos) among lifted photos and cut-outs.
+    pub flowers: f32,
+    /// Seed of everything.
+    pub seed: u64,
+    /// Training or validation pictures.
+    pub split: Split,
+    /// Random crops, colours, noise and depths. Without, photos are whole (`crop` does not count) and as they are.
+    pub augment: bool,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            data: PathBuf::from("data"),
+            long_side: 192,
+            crop: [192, 144],
+            views_per_sample: 5,
+            views_group: 1,
+            mix: Mix::default(),
+            flowers: 0.6,
+            seed: 1,
+            split: Split::Train,
+            augment: true,
+        }
+    }
+}
+
+impl Config {
+    /// Pixels per view step between nearness 0 and 1.
+    pub fn range_px(&self) -> f32 {
+        1.2 * self.long_side as f32 / 288.0
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        let wrong = |what, got: String, expected| Err(SceneError::Config { what, got, expected });
+        if !(32..=1024).contains(&self.long_side) {
+            return wrong("long_side", self.long_side.to_string(), "32 to 1024 pixels");
+        }
+        if self.crop.iter().any(|side| !(16..=self.long_side).contains(side)) {
+            return wrong("crop", format!("{:?}", self.crop), "two sides from 16 pixels to long_side");
+        }
+        if !(1..=64).contains(&self.views_per_sample) {
+            return wrong("views_per_sample", self.views_per_sample.to_string(), "1 to 64");
+        }
+        let Mix { lifted, collage, pseudo, real } = self.mix;
+        let shares = [lifted, collage, pseudo, real];
+        if shares.iter().any(|share| !(0.0..=1e6).contains(share)) || shares.iter().sum::<f32>() <= 0.0 {
+            return wrong("mix", format!("{shares:?}"), "shares of at least 0, not all 0");
+        }
+        Ok(())
+    }
+}
+
+/// How a sample was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A masked photo of two layers.
+    Lifted,
+    /// A composition.
+    Collage,
+    /// A lifted nearness map.
+    Pseudo,
+    /// A real light field.
+    Real,
+}
+
+/// One light field, or some of its views.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// Layers in `[v, u]` order; the first is the reference view, 36.
+    pub views: Vec<usize>,
+    /// `[view, channel, y, x]`, sRGB 0 … 1.
+    pub rgb: Vec<f32>,
+    /// `[view, y, x]`, pixels per view step of this size; NaN where unknown, none where nothing is known.
+    pub disparity: Option<Vec<f32>>,
+    /// `[y, x]`, subject of the reference view, 255 inside.
+    pub subject: Option<Vec<u8>>,
+    /// Where the crop lies in its picture: y of the first and last row, x of the first and last column, where the
+    /// whole picture runs from −1 to 1.
+    pub yx: [f32; 4],
+    /// How it was made.
+    pub kind: Kind,
+    /// The picture that it was made of.
+    pub origin: String,
+}
+
+/// Makes samples. Shared by threads; [`Source::sample`] depends on nothing but the configuration and the index.
+pub struct Source {
+    config: Config,
+    library: Library,
+    /// Indices of pictures with a mask: flowers, and others.
+    masked: [Vec<usize>; 2],
+    /// Indices of pictures with a nearness map: everyday photos, and flowers.
+    mapped: [Vec<usize>; 2],
+}
+
+impl Source {
+    /// Decodes everything that `config` asks for.
+    ///
+    /// # Errors
+    /// Settings that cannot work; files that are missing, broken or do not fit together; an empty folder.
+    pub fn new(config: &Config) -> Result<Self, SceneError> {
+        config.check()?;
+        Ok(Self::from_library(config, Library::load(config)?))
+    }
+
+    /// A source over pictures that are in memory already.
+    pub fn from_library(config: &Config, library: Library) -> Self {
+        let pick = |wanted: &dyn Fn(&Picture) -> bool| -> Vec<usize> {
+            (0..library.pictures.len()).filter(|&i| wanted(&library.pictures[i])).collect()
+        };
+        let flower = |p: &Picture| !p.id.starts_with("everyday/");
+        let masked = [pick(&|p| p.mask.is_some() && flower(p)), pick(&|p| p.mask.is_some() && !flower(p))];
+        let mapped = [pick(&|p| p.nearness.is_some() && !flower(p)), pick(&|p| p.nearness.is_some() && flower(p))];
+        Self { config: config.clone(), library, masked, mapped }
+    }
+
+    /// The configuration.
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The pictures.
+    pub fn library(&self) -> &Library {
+        &self.library
+    }
+
+    /// Indices of the pictures that have a mask.
+    pub fn masked(&self) -> impl Iterator<Item = usize> + '_ {
+        self.masked.iter().flatten().copied()
+    }
+
+    /// Sample `index`, of the configured size.
+    pub fn sample(&self, index: u64) -> Sample {
+        self.sample_sized(index, self.config.crop)
+    }
+
+    /// Sample `index` in another size, such as a batch of portrait crops.
+    pub fn sample_sized(&self, index: u64, crop: [usize; 2]) -> Sample {
+        let rng = &mut Rng::new(self.config.seed, index);
+        let views = self.views(index);
+        match self.kind(rng) {
+            Kind::Real => self.real(rng, crop, views),
+            Kind::Lifted => {
+                let picture = self.masked_picture(rng, crop);
+                self.lifted(rng, crop, views, picture)
+            }
+            Kind::Collage => self.collage(rng, crop, views),
+            Kind::Pseudo => {
+                let which = usize::from(rng.chance(0.35) || self.mapped[0].is_empty());
+                let picture = self.framed(rng, &self.mapped[which.min(1)], crop);
+                self.pseudo(rng, crop, views, picture)
+            }
+        }
+    }
+
+    /// A masked photo as it is: whole, its depth as [`Kind::Lifted`] gives it without chance. For validation.
+    pub fn constructed(&self, picture: usize, views: Vec<usize>) -> Sample {
+        let picture = &self.library.pictures[picture];
+        let size = plenoscope::field::fit_long_side(picture.rgb.size.map(|s| s as u32), self.config.long_side as u32);
+        lifted::plain(picture, size.map(|s| s as usize), views, self.config.range_px())
+    }
+
+    /// The kind of a sample: by the mix, of what there is.
+    fn kind(&self, rng: &mut Rng) -> Kind {
+        let Mix { lifted, collage, pseudo, real } = self.config.mix;
+        let masks = self.masked.iter().any(|list| !list.is_empty());
+        let maps = self.mapped.iter().any(|list| !list.is_empty());
+        let has = |share: f32, there: bool| if there { share } else { 0.0 };
+        let shares =
+            [has(lifted, masks), has(collage, masks), has(pseudo, maps), has(real, !self.library.fields.is_empty())];
+        let all = [Kind::Lifted, Kind::Collage, Kind::Pseudo, Kind::Real];
+        let there = [masks, masks, maps, !self.library.fields.is_empty()];
+        if shares.iter().sum::<f32>() > 0.0 {
+            return all[rng.weighted(&shares)];
+        }
+        all[there.iter().position(|&yes| yes).unwrap_or(0)]
+    }
+
+    /// The reference view, and others that are drawn anew for every group of samples.
+    fn views(&self, index: u64) -> Vec<usize> {
+        let rng = &mut Rng::new(self.config.seed ^ 0x71e5, index / self.config.views_group.max(1));
+        let mut rest: Vec<usize> = (0..ViewGrid::PAPER.count()).filter(|&layer| layer != REFERENCE).collect();
+        let count = self.config.views_per_sample.clamp(1, 64) - 1;
+        if count < rest.len() {
+            for i in 0..count {
+                let other = i + rng.below(rest.len() - i);
+                rest.swap(i, other);
+            }
+        }
+        std::iter::once(REFERENCE).chain(rest.into_iter().take(count)).collect()
+    }
+
+    /// A picture of a list, preferably as wide or as tall as the crop is.
+    fn framed(&self, rng: &mut Rng, list: &[usize], crop: [usize; 2]) -> &Picture {
+        let wide = |size: [usize; 2]| size[0] >= size[1];
+        let mut picture = &self.library.pictures[list[rng.below(list.len())]];
+        for _ in 0..3 {
+            if wide(picture.rgb.size) == wide(crop) {
+                break;
+            }
+            picture = &self.library.pictures[list[rng.below(list.len())]];
+        }
+        picture
+    }
+
+    /// A picture with a mask, flower or other by the configured share.
+    fn masked_picture(&self, rng: &mut Rng, crop: [usize; 2]) -> &Picture {
+        let [flowers, others] = &self.masked;
+        let flower = rng.chance(self.config.flowers);
+        let list = if (flower || others.is_empty()) && !flowers.is_empty() { flowers } else { others };
+        self.framed(rng, list, crop)
+    }
+
+    fn place(&self, rng: &mut Rng, picture: [usize; 2], canvas: &Canvas) -> Place {
+        if self.config.augment {
+            Place::random(rng, picture, canvas, self.config.long_side)
+        } else {
+            Place::whole(picture, canvas)
+        }
+    }
+}
+
+/// Offsets of a view of the 8×8 grid, `(du, dv)`.
+pub fn steps(layer: usize) -> (f32, f32) {
+    let grid = ViewGrid::PAPER;
+    let offset = grid.offset(grid.view_from_layer(layer));
+    (offset.du, offset.dv)
+}
+
+/// Renders the views of a scene into a sample's arrays, `[view, channel, y, x]` and `[view, y, x]`.
+fn render(scene: &Scene, views: &[usize]) -> (Vec<f32>, Vec<f32>) {
+    let count = scene.size[0] * scene.size[1];
+    let mut rgb = Vec::with_capacity(views.len() * 3 * count);
+    let mut disparity = Vec::with_capacity(views.len() * count);
+    for &layer in views {
+        let (du, dv) = steps(layer);
+        let view = scene.view(du, dv);
+        (0..3).for_each(|c| rgb.extend(view.rgb.iter().map(|texel| texel[c].clamp(0.0, 1.0))));
+        disparity.extend(view.disparity);
+    }
+    (rgb, disparity)
+}
+
+/// Camera noise, on every view anew.
+fn add_noise(rng: &mut Rng, rgb: &mut [f32]) {
+    let deviation = rng.range(-0.005, 0.02).max(0.0);
+    if deviation == 0.0 {
+        return;
+    }
+    for pair in rgb.chunks_exact_mut(2) {
+        let noise = rng.normals();
+        (0..2).for_each(|i| pair[i] = (pair[i] + deviation * noise[i]).clamp(0.0, 1.0));
+    }
+}

@@ -1,0 +1,197 @@
+//! Where a photo lies on a canvas: crop, zoom, flip, a slight turn, and its colours.
+
+use super::raster::{Raster, Texel};
+use super::rng::Rng;
+
+/// The picture to be made, and room around it for views to look into.
+#[derive(Clone, Copy)]
+pub struct Canvas {
+    /// Width and height of the picture.
+    pub size: [usize; 2],
+    /// Pixels on every side.
+    pub margin: usize,
+    /// Pixels per view step between nearness 0 and 1.
+    pub range_px: f32,
+}
+
+impl Canvas {
+    /// A canvas whose margin holds the farthest shift, four steps.
+    pub fn new(size: [usize; 2], range_px: f32) -> Self {
+        Self { size, margin: (4.0 * range_px).ceil() as usize + 2, range_px }
+    }
+
+    /// Width and height with the margin.
+    pub fn full(&self) -> [usize; 2] {
+        self.size.map(|side| side + 2 * self.margin)
+    }
+
+    /// Disparity of a nearness.
+    pub fn disparity(&self, nearness: f32) -> f32 {
+        self.range_px * (nearness - super::FOCAL_NEARNESS)
+    }
+
+    /// The picture's part of a canvas-sized raster.
+    pub fn crop<T: Copy>(&self, raster: &Raster<T>) -> Vec<T> {
+        let [w, h] = self.size;
+        let wide = raster.size[0];
+        (0..h).flat_map(|y| raster.px[(y + self.margin) * wide + self.margin..][..w].iter().copied()).collect()
+    }
+}
+
+/// The affine map from canvas pixels to a source picture's pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Source step for a step right, and for a step down.
+    axes: [[f32; 2]; 2],
+    /// Source place of canvas pixel (0, 0).
+    origin: [f32; 2],
+    /// See [`super::Sample::yx`].
+    pub yx: [f32; 4],
+    /// Picture coordinates −1 … 1 of canvas pixel (0, 0) and their steps, y then x.
+    rows: [f32; 2],
+}
+
+impl Place {
+    /// The whole picture, fitted to the canvas.
+    pub fn whole(picture: [usize; 2], canvas: &Canvas) -> Self {
+        let scale = [0, 1].map(|i| picture[i] as f32 / canvas.size[i] as f32);
+        let from = |i: usize| (0.5 - canvas.margin as f32) * scale[i] - 0.5;
+        let step = 2.0 / (canvas.size[1].max(2) - 1) as f32;
+        Self {
+            axes: [[scale[0], 0.0], [0.0, scale[1]]],
+            origin: [from(0), from(1)],
+            yx: [-1.0, 1.0, -1.0, 1.0],
+            rows: [-1.0 - step * canvas.margin as f32, step],
+        }
+    }
+
+    /// Mostly nearly the whole picture (nets need to see it), sometimes a part; flipped or not; turned a little.
+    pub fn random(rng: &mut Rng, picture: [usize; 2], canvas: &Canvas, long_side: usize) -> Self {
+        let [w, h] = canvas.size.map(|side| side as f32);
+        let [pw, ph] = picture.map(|side| side as f32);
+        let zoom = if rng.chance(0.65) { rng.range(1.0, 1.1) } else { rng.range(1.1, 1.45) };
+        let scale = (zoom * long_side as f32 / pw.max(ph)).max(w / pw).max(h / ph);
+        let whole = [pw * scale, ph * scale];
+        let left = rng.unit() * (whole[0] - w).max(0.0);
+        let top = rng.unit() * (whole[1] - h).max(0.0);
+        let flip = if rng.chance(0.5) { -1.0 } else { 1.0 };
+        let angle = if rng.chance(0.3) { rng.range(-0.07, 0.07) } else { 0.0 };
+        let (sin, cos) = f32::sin_cos(angle);
+        let axes = [[flip * cos / scale, sin / scale], [-flip * sin / scale, cos / scale]];
+        // The crop's middle, in source pixels; the flipped picture is mirrored as a whole.
+        let middle_x = (left + w / 2.0) / scale;
+        let middle = [if flip < 0.0 { pw - middle_x } else { middle_x } - 0.5, (top + h / 2.0) / scale - 0.5];
+        let back = [w, h].map(|side| canvas.margin as f32 + (side - 1.0) / 2.0);
+        let origin = [0, 1].map(|i| middle[i] - back[0] * axes[0][i] - back[1] * axes[1][i]);
+        let along = |at: f32, all: f32| 2.0 * at / (all - 1.0).max(1.0) - 1.0;
+        let yx = [
+            along(top, whole[1]),
+            along(top + h - 1.0, whole[1]),
+            along(left, whole[0]),
+            along(left + w - 1.0, whole[0]),
+        ];
+        let step = (yx[1] - yx[0]) / (h - 1.0).max(1.0);
+        Self { axes, origin, yx, rows: [yx[0] - step * canvas.margin as f32, step] }
+    }
+
+    /// A cut-out: source place `from` comes to canvas place `to` (without margin); `axis` is the source step for a step
+    /// right, `flip` −1 where it is mirrored.
+    pub fn similar(from: [f32; 2], to: [f32; 2], axis: [f32; 2], flip: f32, canvas: &Canvas) -> Self {
+        let axes = [axis, [-axis[1] * flip, axis[0] * flip]];
+        let to = to.map(|at| at + canvas.margin as f32);
+        let origin = [0, 1].map(|i| from[i] - to[0] * axes[0][i] - to[1] * axes[1][i]);
+        Self { axes, origin, yx: [-1.0, 1.0, -1.0, 1.0], rows: [0.0, 0.0] }
+    }
+
+    /// Like [`Self::fill`], but 0 outside the source.
+    pub fn fill_inside(&self, source: &Raster<u8>, size: [usize; 2]) -> Raster<f32> {
+        let [w, h] = source.size.map(|side| side as f32 - 0.5);
+        Raster::from_fn(size, |x, y| {
+            let [sx, sy] = [0, 1].map(|i| self.origin[i] + x as f32 * self.axes[0][i] + y as f32 * self.axes[1][i]);
+            if sx < -0.5 || sy < -0.5 || sx > w || sy > h { 0.0 } else { source.tap(sx, sy) }
+        })
+    }
+
+    /// The source as it lies on the canvas; its edge goes on where it ends.
+    pub fn fill<T: Texel>(&self, source: &Raster<T>, size: [usize; 2]) -> Raster<T::Out> {
+        let mut px = Vec::with_capacity(size[0] * size[1]);
+        for y in 0..size[1] {
+            let start = [0, 1].map(|i| self.origin[i] + y as f32 * self.axes[1][i]);
+            px.extend(
+                (0..size[0])
+                    .map(|x| source.tap(start[0] + x as f32 * self.axes[0][0], start[1] + x as f32 * self.axes[0][1])),
+            );
+        }
+        Raster { size, px }
+    }
+
+    /// The picture's row coordinate of a canvas row: 0 at its top, 1 at its bottom.
+    pub fn row(&self, y: usize) -> f32 {
+        ((self.rows[0] + self.rows[1] * y as f32) * 0.5 + 0.5).clamp(0.0, 1.0)
+    }
+}
+
+/// A change of tone: gamma and a gain for each channel.
+pub struct Tone {
+    /// Values 0 … 255 in quarters.
+    tables: [Vec<f32>; 3],
+}
+
+impl Tone {
+    /// Colours as they are.
+    pub fn plain() -> Self {
+        Self::new(1.0, [1.0; 3])
+    }
+
+    /// Gamma 0.7 … 1.3, channels 0.8 … 1.2.
+    pub fn random(rng: &mut Rng) -> Self {
+        let gamma = rng.range(0.7, 1.3);
+        let light = rng.range(0.85, 1.15);
+        Self::new(gamma, std::array::from_fn(|_| light * rng.range(0.9, 1.1)))
+    }
+
+    fn new(gamma: f32, gains: [f32; 3]) -> Self {
+        let value = |i: usize| (i as f32 / 1020.0).powf(gamma);
+        Self { tables: gains.map(|gain| (0..=1020).map(|i| (gain * value(i)).min(1.0)).collect()) }
+    }
+
+    /// Colours 0 … 255 to 0 … 1.
+    pub fn apply(&self, raster: &Raster<[f32; 3]>) -> Raster<[f32; 3]> {
+        raster.map(|&texel| self.texel(texel))
+    }
+
+    /// One colour 0 … 255 to 0 … 1.
+    pub fn texel(&self, texel: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|c| self.tables[c][((texel[c] * 4.0 + 0.5) as usize).min(1020)])
+    }
+}
+
+/// A ground or wall on the canvas: nearness of each pixel.
+pub fn ground(rng: &mut Rng, place: &Place, size: [usize; 2]) -> Raster<f32> {
+    let low = rng.range(0.0, 0.15);
+    let rise = rng.range(0.1, 0.65);
+    let bend = rng.range(1.0, 2.5);
+    let tilt = rng.range(-0.06, 0.06);
+    let across = |x: usize| 2.0 * x as f32 / (size[0] - 1) as f32 - 1.0;
+    match rng.weighted(&[0.6, 0.15, 0.25]) {
+        // Lower is nearer.
+        0 => {
+            let row: Vec<f32> = (0..size[1]).map(|y| low + rise * place.row(y).powf(bend)).collect();
+            Raster::from_fn(size, |x, y| row[y] + tilt * across(x))
+        }
+        // A wall, a hedge or a fence across the view.
+        1 => {
+            let near = rng.range(0.0, 0.7);
+            Raster::from_fn(size, |x, _| near + tilt * across(x))
+        }
+        // A plane that runs another way.
+        _ => {
+            let angle = rng.range(0.0, std::f32::consts::TAU);
+            let (sin, cos) = f32::sin_cos(angle);
+            Raster::from_fn(size, |x, y| {
+                let down = 2.0 * place.row(y) - 1.0;
+                low + rise * (0.5 + 0.35 * (cos * across(x) + sin * down)).clamp(0.0, 1.0)
+            })
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! Small pictures in memory: bilinear taps, area resize, blur, and filling by push and pull.
+
+/// A picture of `[width, height]` texels, `[y, x]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster<T> {
+    /// Width and height.
+    pub size: [usize; 2],
+    /// Texels, rows top to bottom.
+    pub px: Vec<T>,
+}
+
+/// What a [`Raster`] can hold and interpolate.
+pub trait Texel: Copy + Send + Sync {
+    /// What interpolation gives.
+    type Out: Copy;
+    /// The sum of four texels by weight.
+    fn mix(texels: [Self; 4], weights: [f32; 4]) -> Self::Out;
+}
+
+impl Texel for f32 {
+    type Out = f32;
+    #[inline(always)]
+    fn mix(t: [Self; 4], w: [f32; 4]) -> f32 {
+        t[0] * w[0] + t[1] * w[1] + t[2] * w[2] + t[3] * w[3]
+    }
+}
+
+impl Texel for u8 {
+    type Out = f32;
+    #[inline(always)]
+    fn mix(t: [Self; 4], w: [f32; 4]) -> f32 {
+        f32::mix(t.map(f32::from), w)
+    }
+}
+
+impl<const N: usize> Texel for [f32; N] {
+    type Out = [f32; N];
+    #[inline(always)]
+    fn mix(t: [Self; 4], w: [f32; 4]) -> [f32; N] {
+        std::array::from_fn(|c| t[0][c] * w[0] + t[1][c] * w[1] + t[2][c] * w[2] + t[3][c] * w[3])
+    }
+}
+
+impl<const N: usize> Texel for [u8; N] {
+    type Out = [f32; N];
+    #[inline(always)]
+    fn mix(t: [Self; 4], w: [f32; 4]) -> [f32; N] {
+        <[f32; N]>::mix(t.map(|texel| texel.map(f32::from)), w)
+    }
+}
+
+impl<T: Texel> Raster<T> {
+    /// A raster from its texels, made by place (x, y).
+    pub fn from_fn(size: [usize; 2], mut texel: impl FnMut(usize, usize) -> T) -> Self {
+        let px = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
+        Self { size, px }
+    }
+
+    /// The texel at a place inside.
+    #[inline(always)]
+    pub fn at(&self, x: usize, y: usize) -> T {
+        self.px[y * self.size[0] + x]
+    }
+
+    /// Bilinear tap; pixel centres at integers, the edge goes on outside.
+    #[inline(always)]
+    pub fn tap(&self, x: f32, y: f32) -> T::Out {
+        let [w, h] = self.size;
+        let x = x.max(0.0).min((w - 1) as f32);
+        let y = y.max(0.0).min((h - 1) as f32);
+        let (x0, y0) = (x as usize, y as usize);
+        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let right = usize::from(x0 + 1 < w);
+        let down = if y0 + 1 < h { w } else { 0 };
+        let i = y0 * w + x0;
+        let texels = [self.px[i], self.px[i + right], self.px[i + down], self.px[i + down + right]];
+        let (gx, gy) = (1.0 - fx, 1.0 - fy);
+        T::mix(texels, [gx * gy, fx * gy, gx * fy, fx * fy])
+    }
+
+    /// The same raster with each texel changed.
+    pub fn map<U>(&self, change: impl FnMut(&T) -> U) -> Raster<U> {
+        Raster { size: self.size, px: self.px.iter().map(change).collect() }
+    }
+}
+
+/// One output pixel of an area resize: first source pixel, and the weights from there on.
+fn area_weights(from: usize, to: usize) -> Vec<(usize, Vec<f32>)> {
+    let ratio = from as f32 / to as f32;
+    if ratio <= 1.0 {
+        return (0..to)
+            .map(|i| {
+                let x = ((i as f32 + 0.5) * ratio - 0.5).clamp(0.0, (from - 1) as f32);
+                let first = (x as usize).min(from.saturating_sub(2));
+                let f = x - first as f32;
+                (first, if from == 1 { vec![1.0] } else { vec![1.0 - f, f] })
+            })
+            .collect();
+    }
+    (0..to)
+        .map(|i| {
+            let (lo, hi) = (i as f32 * ratio, (i + 1) as f32 * ratio);
+            let (first, last) = (lo as usize, (hi.ceil() as usize).min(from));
+            let overlap = |k: usize| ((k + 1) as f32).min(hi) - (k as f32).max(lo);
+            (first, (first..last).map(|k| overlap(k).max(0.0) / ratio).collect())
+        })
+        .collect()
+}
+
+impl<const N: usize> Raster<[f32; N]> {
+    /// Resized by averaging over each target pixel's area (bilinear where it grows).
+    pub fn resized(&self, size: [usize; 2]) -> Self {
+        if size == self.size {
+            return self.clone();
+        }
+        let columns = area_weights(self.size[0], size[0]);
+        let mut wide = vec![[0.0; N]; size[0] * self.size[1]];
+        for (row, out) in self.px.chunks_exact(self.size[0]).zip(wide.chunks_exact_mut(size[0])) {
+            for (texel, (first, weights)) in out.iter_mut().zip(&columns) {
+                for (source, weight) in row[*first..].iter().zip(weights) {
+                    (0..N).for_each(|c| texel[c] += source[c] * weight);
+                }
+            }
+        }
+        let mut px = vec![[0.0; N]; size[0] * size[1]];
+        for (out, (first, weights)) in px.chunks_exact_mut(size[0]).zip(area_weights(self.size[1], size[1])) {
+            for (row, weight) in wide.chunks_exact(size[0]).skip(first).zip(weights) {
+                for (texel, source) in out.iter_mut().zip(row) {
+                    (0..N).for_each(|c| texel[c] += source[c] * weight);
+                }
+            }
+        }
+        Self { size, px }
+    }
+
+    /// Blurred by three box filters whose sum has about this deviation; nothing below 0.3 px.
+    pub fn blur(&mut self, sigma_px: f32) {
+        let radius = (((4.0 * sigma_px * sigma_px + 1.0).sqrt() - 1.0) / 2.0).max(0.0);
+        if sigma_px < 0.3 || radius <= 0.0 {
+            return;
+        }
+        let [w, h] = self.size;
+        let mut line = Vec::new();
+        for _ in 0..3 {
+            for y in 0..h {
+                box_line(&mut self.px[y * w..(y + 1) * w], 1, w, radius, &mut line);
+            }
+            for x in 0..w {
+                box_line(&mut self.px[x..], w, h, radius, &mut line);
+            }
+        }
+    }
+}
+
+/// Box filter of fractional radius along one line of a raster, the edge going on outside.
+fn box_line<const N: usize>(px: &mut [[f32; N]], stride: usize, len: usize, radius: f32, line: &mut Vec<[f32; N]>) {
+    line.clear();
+    line.extend((0..len).map(|i| px[i * stride]));
+    let whole = radius as isize;
+    let part = radius - whole as f32;
+    let norm = 1.0 / (2.0 * radius + 1.0);
+    let at = |i: isize| line[i.clamp(0, len as isize - 1) as usize];
+    let mut sum = [0.0; N];
+    for k in -whole..=whole {
+        (0..N).for_each(|c| sum[c] += at(k)[c]);
+    }
+    for i in 0..len as isize {
+        let (left, right) = (at(i - whole - 1), at(i + whole + 1));
+        let out = &mut px[i as usize * stride];
+        (0..N).for_each(|c| out[c] = (sum[c] + part * (left[c] + right[c])) * norm);
+        let drop = at(i - whole);
+        (0..N).for_each(|c| sum[c] += right[c] - drop[c]);
+    }
+}
+
+/// Fills what has weight 0 from what has weight 1, smoothly and from near by first (push-pull pyramid).
+///
+/// # Shapes
+/// - `colour`: `[y, x]` of N channels; `weight`: `[y, x]`, 0 unknown … 1 known
+pub fn push_pull<const N: usize>(colour: &Raster<[f32; N]>, weight: &[f32]) -> Raster<[f32; N]> {
+    let [w, h] = colour.size;
+    if w <= 1 && h <= 1 {
+        return colour.clone();
+    }
+    let half = [w.div_ceil(2), h.div_ceil(2)];
+    let (mut small, mut small_weight) = (vec![[0.0; N]; half[0] * half[1]], vec![0.0f32; half[0] * half[1]]);
+    for y in 0..h {
+        for x in 0..w {
+            let (i, k) = (y * w + x, (y / 2) * half[0] + x / 2);
+            (0..N).for_each(|c| small[k][c] += colour.px[i][c] * weight[i]);
+            small_weight[k] += weight[i];
+        }
+    }
+    for (texel, sum) in small.iter_mut().zip(&mut small_weight) {
+        if *sum > 0.0 {
+            texel.iter_mut().for_each(|c| *c /= *sum);
+        }
+        *sum = sum.min(1.0);
+    }
+    let filled = push_pull(&Raster { size: half, px: small }, &small_weight);
+    Raster::from_fn(colour.size, |x, y| {
+        let (i, k) = (y * w + x, weight[y * w + x]);
+        let below = filled.tap((x as f32 - 0.5) / 2.0, (y as f32 - 0.5) / 2.0);
+        std::array::from_fn(|c| k * colour.px[i][c] + (1.0 - k) * below[c])
+    })
+}
+
+/// Distance in pixels from each inside pixel to the nearest outside one (chamfer 1, √2).
+pub fn distance_inside(inside: &[bool], size: [usize; 2]) -> Vec<f32> {
+    let [w, h] = size;
+    let far = (w + h) as f32;
+    let mut distance: Vec<f32> = inside.iter().map(|&yes| if yes { far } else { 0.0 }).collect();
+    let diagonal = std::f32::consts::SQRT_2;
+    let mut relax = |x: usize, y: usize, sign: isize| {
+        let near = [(-1, 0, 1.0), (0, -1, 1.0), (-1, -1, diagonal), (1, -1, diagonal)];
+        let mut best = distance[y * w + x];
+        for (dx, dy, step) in near {
+            let (nx, ny) = (x as isize + dx * sign, y as isize + dy * sign);
+            if (0..w as isize).contains(&nx) && (0..h as isize).contains(&ny) {
+                best = best.min(distance[ny as usize * w + nx as usize] + step);
+            }
+        }
+        distance[y * w + x] = best;
+    };
+    (0..h).for_each(|y| (0..w).for_each(|x| relax(x, y, 1)));
+    (0..h).rev().for_each(|y| (0..w).rev().for_each(|x| relax(x, y, -1)));
+    distance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_resize_keeps_the_mean_and_a_ramp() {
+        let ramp = Raster::from_fn([64, 30], |x, _| [x as f32]);
+        let small = ramp.resized([16, 10]);
+        for x in 0..16 {
+            assert!((small.at(x, 3)[0] - (x as f32 * 4.0 + 1.5)).abs() < 1e-3);
+        }
+        assert_eq!(ramp.resized([128, 60]).size, [128, 60]);
+    }
+
+    #[test]
+    fn a_blur_keeps_a_constant_and_spreads_a_point_by_its_deviation() {
+        let mut flat = Raster::from_fn([20, 10], |_, _| [0.25f32]);
+        flat.blur(2.0);
+        assert!(flat.px.iter().all(|p| (p[0] - 0.25).abs() < 1e-5));
+        let mut point = Raster::from_fn([61, 61], |x, y| [if (x, y) == (30, 30) { 1.0f32 } else { 0.0 }]);
+        point.blur(3.0);
+        let var: f32 = point.px.iter().enumerate().map(|(i, p)| p[0] * ((i % 61) as f32 - 30.0).powi(2)).sum();
+        assert!((var.sqrt() - 3.0).abs() < 0.2, "{}", var.sqrt());
+    }
+
+    #[test]
+    fn what_is_unknown_is_filled_from_what_is_near() {
+        let colour = Raster::from_fn([40, 20], |x, _| [if x < 20 { 0.0f32 } else { 1.0 }]);
+        let known: Vec<f32> =
+            (0..800).map(|i| f32::from(!(5..15).contains(&(i % 40)) && !(25..35).contains(&(i % 40)))).collect();
+        let filled = push_pull(&colour, &known);
+        assert!(filled.at(9, 10)[0] < 0.2 && filled.at(30, 10)[0] > 0.8);
+        assert_eq!(filled.at(2, 2)[0], 0.0);
+    }
+
+    #[test]
+    fn the_distance_of_a_square_grows_towards_its_middle() {
+        let inside: Vec<bool> = (0..81).map(|i| (1..8).contains(&(i % 9)) && (1..8).contains(&(i / 9))).collect();
+        let distance = distance_inside(&inside, [9, 9]);
+        assert_eq!((distance[4 * 9 + 4], distance[9 + 1], distance[0]), (4.0, 1.0, 0.0));
+    }
+}
