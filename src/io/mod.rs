@@ -18,6 +18,7 @@ mod raster;
 pub mod sample;
 pub mod save;
 mod sniff;
+mod xmp;
 
 pub use crate::field::DisparityMap;
 pub use error::{OpenError, Problem};

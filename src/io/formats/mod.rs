@@ -1,6 +1,8 @@
 //! Light-field and depth formats: one file each.
 
+pub mod depth_map;
 mod grid_names;
+mod matching;
 pub mod pfm;
 pub(crate) mod phone;
 pub mod views;

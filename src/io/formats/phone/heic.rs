@@ -1,35 +1,131 @@
-//! HEIC photos, decoded by heifer.
+//! HEIC photos, decoded by heifer: turned by `irot` and `imir`, with Apple's depth map or both eyes of a spatial photo.
+//!
+//! The gain map of an HDR photo is left alone: the base picture is what every screen shows.
 
-use heifer::heifer_isobmff::HeifFile;
+use heifer::heifer_isobmff::boxes::{ColorInfo, Property};
+use heifer::heifer_isobmff::{HeifFile, ItemId};
+use moxcms::ColorProfile;
 
-use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size};
+use super::apple::Scale;
+use super::{UnitMap, spatial};
+use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, orient};
 use crate::io::sniff::Sniffed;
-use crate::io::{PhotoFile, Problem};
+use crate::io::xmp::Xmp;
+use crate::io::{EmbeddedDepth, PhotoFile, Problem};
 
 const FORMAT: &str = "HEIC";
+const DEPTH_URN: [&str; 2] = ["urn:mpeg:hevc:2015:auxid:2", "urn:mpeg:mpegB:cicp:systems:auxiliary:depth"];
+/// `nclx` colour primaries of Display P3 (ITU-T H.273).
+const DISPLAY_P3: u16 = 12;
 
 /// Opens a HEIC photo and the depth in it.
 pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
-    let file = HeifFile::parse(bytes).map_err(|error| Problem::damaged(FORMAT, error))?;
-    PhotoFile::from_raster(decode_primary(bytes, &file)?, Sniffed::Heif)
+    let file = HeifFile::parse(bytes).map_err(problem)?;
+    let id = file.primary_id;
+    let mut photo = PhotoFile::from_raster(decode_photo(&file, id)?, Sniffed::Heif)?;
+    match depth_map(&file) {
+        Some(Ok(depth)) => photo.set_depth(depth),
+        Some(Err(reason)) => photo.warn(format!("the depth map is left out — {reason}")),
+        None => {}
+    }
+    if let Some([left, right]) = spatial::stereo_pair(bytes) {
+        photo.info.notes.push(("spatial photo".to_owned(), "two eyes".to_owned()));
+        if photo.depth.is_none() {
+            match spatial::depth(&file, [left, right], id) {
+                Ok(depth) => photo.set_depth(depth),
+                Err(reason) => photo.warn(format!("the second eye is left out — {reason}")),
+            }
+        }
+    }
+    Ok(photo)
 }
 
-fn decode_primary(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
-    let id = file.primary_id;
-    if let Ok(Some((width, height))) = file.image_size(id) {
-        check_size(width.into(), height.into(), 4)?;
+fn problem(error: impl std::fmt::Display) -> Problem {
+    let text = error.to_string();
+    if text.contains("unexpected end") { Problem::Truncated { format: FORMAT } } else { Problem::damaged(FORMAT, text) }
+}
+
+/// Decodes an item whose size has been checked before.
+pub(super) fn decode_item(file: &HeifFile, id: ItemId) -> Result<heifer::Image, Problem> {
+    if let Some((width, height)) = file.image_size(id).map_err(problem)? {
+        check_size(width.into(), height.into(), 8)?;
     }
-    let options = heifer::Options { max_threads: 0, max_pixels: MAX_DECODED_BYTES / 4 };
-    let image = heifer::decode_rgba8(bytes, &options).map_err(|error| Problem::damaged(FORMAT, error))?;
+    heifer::decode_item(file, id, 0).map_err(problem)
+}
+
+fn decode_photo(file: &HeifFile, id: ItemId) -> Result<Raster, Problem> {
+    if let Some((width, height)) = file.image_size(id).map_err(problem)? {
+        check_size(width.into(), height.into(), 8)?;
+    }
+    let image = decode_item(file, id)?;
+    let max = u32::from(image.max_value());
+    let pixels = image.data.as_chunks().0;
+    let samples = if image.bit_depth == 8 {
+        Samples::Eight(pixels.iter().map(|px| px.map(|value| value as u8)).collect())
+    } else {
+        let widen = |value: u16| ((u32::from(value) * 65_535 + max / 2) / max) as u16;
+        Samples::Sixteen(pixels.iter().map(|px| px.map(widen)).collect())
+    };
     let metadata = heifer::item_metadata(file, id).unwrap_or_default();
     Ok(Raster {
         size: [image.width, image.height],
-        samples: Samples::Eight(image.data.as_chunks().0.to_vec()),
+        samples,
         has_alpha: image.has_alpha,
-        icc: metadata.icc_profile,
+        icc: metadata.icc_profile.or_else(|| profile_from_nclx(file, id)),
         exif: metadata.exif,
         xmp: metadata.xmp,
-        // The container's own turns (`irot`, `imir`) have been applied; EXIF must not turn the picture again.
+        // The container's own turns have been applied; EXIF must not turn the picture again.
         orientation: 1,
     })
+}
+
+/// A profile for files that say Display P3 only by number.
+fn profile_from_nclx(file: &HeifFile, id: ItemId) -> Option<Vec<u8>> {
+    let is_p3 = |p: &Property| matches!(p, Property::Color(ColorInfo::Nclx { primaries: DISPLAY_P3, .. }));
+    let found = file.item_properties(id).ok()?.any(is_p3);
+    found.then(|| ColorProfile::new_display_p3().encode().ok()).flatten()
+}
+
+/// The auxiliary depth picture, wherever it hangs.
+fn depth_map(file: &HeifFile) -> Option<Result<EmbeddedDepth, String>> {
+    let is_depth = |id| {
+        let urn =
+            |p: &Property| matches!(p, Property::AuxiliaryType(urn) if DEPTH_URN.iter().any(|d| urn.starts_with(d)));
+        file.item_properties(id).is_ok_and(|mut properties| properties.any(urn))
+    };
+    let id = file.items.iter().map(|item| item.id).find(|&id| is_depth(id))?;
+    Some(decode_depth(file, id).map_err(|problem| problem.to_string()))
+}
+
+fn decode_depth(file: &HeifFile, id: ItemId) -> Result<EmbeddedDepth, Problem> {
+    let image = decode_item(file, id)?;
+    let max = f32::from(image.max_value());
+    let values = image.data.chunks_exact(4).map(|px| f32::from(px[0]) / max).collect();
+    let map = UnitMap { size: [image.width, image.height], values };
+    let packet = file.xmp(id).ok().flatten().unwrap_or_default();
+    let xmp = Xmp::parse(&packet).unwrap_or_default();
+    let depth = Scale::from_xmp(&xmp).apply(map);
+    // A map without turns of its own lies as the photo does before its turns.
+    let [photo, own] = [turn(file, file.primary_id), turn(file, id)];
+    let missing = if own == 1 { photo } else { 1 };
+    let (size, inverse_depth) = orient(depth.inverse_depth, depth.size, missing);
+    Ok(EmbeddedDepth { size, inverse_depth, ..depth })
+}
+
+/// An item's turns as an EXIF orientation: `irot` (anticlockwise quarters), then `imir`.
+fn turn(file: &HeifFile, id: ItemId) -> u8 {
+    let (mut quarters, mut mirror) = (0, None);
+    for property in file.item_properties(id).into_iter().flatten() {
+        match property {
+            Property::Rotation(q) => quarters = q % 4,
+            Property::Mirror(top_bottom) => mirror = Some(*top_bottom),
+            _ => {}
+        }
+    }
+    let row = match mirror {
+        None => [1, 8, 3, 6],
+        Some(false) => [2, 7, 4, 5],
+        Some(true) => [4, 5, 2, 7],
+    };
+    row[usize::from(quarters)]
 }

@@ -1,0 +1,73 @@
+//! GDepth: a depth map in the (extended) XMP of a JPEG, and the all-in-focus photo beside it.
+//!
+//! Specification: developers.google.com/depthmap-metadata. White is far.
+
+use super::{UnitMap, unit_map};
+use crate::io::raster::{self, Raster};
+use crate::io::xmp::Xmp;
+use crate::io::{DepthKind, EmbeddedDepth, sniff};
+
+pub(super) const DEPTH: &str = "http://ns.google.com/photos/1.0/depthmap/";
+const IMAGE: &str = "http://ns.google.com/photos/1.0/image/";
+
+/// How values 0 … 1 become depth; GDepth and Dynamic Depth share it.
+pub(super) struct Range {
+    near: f32,
+    far: f32,
+    inverse: bool,
+    /// Metres in a unit of `near` and `far`, if that is known.
+    metres: Option<f32>,
+}
+
+impl Range {
+    pub(super) fn from_xmp(xmp: &Xmp, namespace: &str) -> Result<Self, String> {
+        let number = |name| xmp.number(namespace, name).ok_or_else(|| format!("its depth map has no {name}"));
+        let (near, far) = (number("Near")?, number("Far")?);
+        if !(near > 0.0 && far > near) {
+            return Err(format!("its depth map reaches from {near} to {far}"));
+        }
+        let inverse = match xmp.get(namespace, "Format") {
+            None | Some("RangeInverse") => true,
+            Some("RangeLinear") => false,
+            Some(other) => return Err(format!("its depth map is in the unknown format {other}")),
+        };
+        let metres = match xmp.get(namespace, "Units") {
+            Some("m" | "Meters" | "meters") => Some(1.0),
+            Some("mm" | "Millimeters" | "millimeters") => Some(1e-3),
+            _ => None,
+        };
+        Ok(Self { near, far, inverse, metres })
+    }
+
+    /// Inverse depth of a value 0 … 1, in 1/m where the unit is known.
+    fn inverse_depth(&self, n: f32) -> f32 {
+        let per_unit = if self.inverse {
+            (self.far - n * (self.far - self.near)) / (self.far * self.near)
+        } else {
+            1.0 / (self.near + n * (self.far - self.near))
+        };
+        per_unit / self.metres.unwrap_or(1.0)
+    }
+
+    pub(super) fn apply(&self, map: UnitMap, kind: DepthKind) -> EmbeddedDepth {
+        let UnitMap { size, values } = map.map(|n| self.inverse_depth(n));
+        EmbeddedDepth { kind, size, inverse_depth: values, metric: self.metres.is_some() }
+    }
+}
+
+/// The depth map; `main` says what it means, `data` (the extended packet, or the same one) holds it.
+pub(super) fn depth(main: &Xmp, data: &Xmp) -> Result<EmbeddedDepth, String> {
+    let holder = if main.get(DEPTH, "Near").is_some() { main } else { data };
+    let range = Range::from_xmp(holder, DEPTH)?;
+    let picture = data.base64(DEPTH, "Data").ok_or("its depth map is missing")??;
+    Ok(range.apply(unit_map(&picture).map_err(|problem| problem.to_string())?, DepthKind::Gdepth))
+}
+
+/// The all-in-focus original, if there is one. It lies as the main picture does.
+pub(super) fn original(data: &Xmp) -> Option<Result<Raster, String>> {
+    let decode = |bytes: Vec<u8>| {
+        let format = sniff::sniff(&bytes).ok_or("its original photo is no picture")?;
+        raster::decode(&bytes, format).map_err(|problem| problem.to_string())
+    };
+    Some(data.base64(IMAGE, "Data")?.and_then(decode))
+}

@@ -1,0 +1,38 @@
+//! Both eyes of a spatial photo (stereo-pair group `ster`): matched, they give depth.
+
+use heifer::heifer_isobmff::header::BoxIter;
+use heifer::heifer_isobmff::{HeifFile, ItemId};
+
+use super::heic::decode_item;
+use crate::io::formats::matching;
+use crate::io::{DepthKind, EmbeddedDepth};
+
+/// The items of the stereo pair, left first, if the file has one.
+pub(super) fn stereo_pair(bytes: &[u8]) -> Option<[ItemId; 2]> {
+    let find = |data, kind: &[u8; 4]| BoxIter::new(data).flatten().find(|b| b.header.box_type.0 == *kind);
+    let meta = find(bytes, b"meta")?;
+    let groups = find(meta.content.get(4..)?, b"grpl")?;
+    let pair = find(groups.content, b"ster")?;
+    // Version and flags, group id, count, then the items.
+    let number = |at: usize| Some(u32::from_be_bytes(*pair.content.get(at..)?.first_chunk()?));
+    (number(8)? == 2).then_some([number(12)?, number(16)?])
+}
+
+/// Depth of the photo `primary` from the pair.
+pub(super) fn depth(file: &HeifFile, [left, right]: [ItemId; 2], primary: ItemId) -> Result<EmbeddedDepth, String> {
+    let other = if primary == right { left } else { right };
+    let gray = |id| {
+        let image = decode_item(file, id).map_err(|problem| problem.to_string())?;
+        let max = f32::from(image.max_value());
+        let luma = |px: &[u16]| (0.3 * f32::from(px[0]) + 0.6 * f32::from(px[1]) + 0.1 * f32::from(px[2])) / max;
+        Ok::<_, String>(matching::Gray {
+            size: [image.width, image.height],
+            values: image.data.chunks_exact(4).map(luma).collect(),
+        })
+    };
+    let (from, to) = (gray(primary)?, gray(other)?);
+    // Seen from the right eye, near things have moved to the left.
+    let sign = if primary == right { 1.0 } else { -1.0 };
+    let map = matching::stereo(&from, &to, sign).ok_or("the two eyes do not match")?;
+    Ok(EmbeddedDepth { kind: DepthKind::SpatialPair, size: map.size, inverse_depth: map.disparity_px, metric: false })
+}
