@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::DisparityMap;
+use super::formats::layout::Layout;
 use crate::field::{LightField, Photo, RayDepths};
 
 /// A file, told by its content.
@@ -48,10 +49,39 @@ pub struct LightFieldFile {
     pub depths: Option<Arc<RayDepths>>,
     /// The disparity of the reference view alone, where the file has only that (HCI benchmark scenes).
     pub reference_disparity: Option<DisparityMap>,
+    /// What was done to the stored views to fit our convention; `layout.opposite()` is the other sign.
+    pub layout: Layout,
+    /// γ with which a dark file should be shown and given to nets: `shown = stored ^ γ`. Never baked into what is saved.
+    pub display_gamma: Option<f32>,
     /// What the file is.
     pub info: FileInfo,
     /// What a person should know: for example views that were turned over to fit the sign convention.
     pub warnings: Vec<String>,
+}
+
+impl LightFieldFile {
+    /// Views with or without ray depths; the warnings are those of `info`.
+    pub(crate) fn new(field: Arc<LightField>, depths: Option<Arc<RayDepths>>, mut info: FileInfo) -> Self {
+        if let Some(depths) = &depths {
+            info.disparity_px = Some(depths.range_px());
+        }
+        let warnings = info.warnings.clone();
+        Self {
+            field,
+            depths,
+            reference_disparity: None,
+            layout: Layout::default(),
+            display_gamma: None,
+            info,
+            warnings,
+        }
+    }
+
+    /// Tells the person something.
+    pub(crate) fn warn(&mut self, text: String) {
+        self.info.warnings.push(text.clone());
+        self.warnings.push(text);
+    }
 }
 
 /// Depth that came with a photo, as the phone measured it.
@@ -96,6 +126,8 @@ pub enum DepthKind {
     ApplePortrait,
     /// Both eyes of a spatial photo, matched.
     SpatialPair,
+    /// The depth look-up table of a processed Lytro file.
+    LytroTable,
     /// A file beside the photo (`_DEPTH`).
     SideFile,
 }

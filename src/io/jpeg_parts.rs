@@ -5,8 +5,6 @@
 pub(crate) struct Segment<'a> {
     pub(crate) marker: u8,
     pub(crate) data: &'a [u8],
-    /// Where `data` begins in the file.
-    pub(crate) offset: usize,
 }
 
 /// A JPEG, taken apart.
@@ -20,7 +18,6 @@ pub(crate) struct JpegParts<'a> {
 const START_OF_IMAGE: u8 = 0xd8;
 const END_OF_IMAGE: u8 = 0xd9;
 const APP1: u8 = 0xe1;
-const APP2: u8 = 0xe2;
 const EXIF: &[u8] = b"Exif\0\0";
 const XMP: &[u8] = b"http://ns.adobe.com/xap/1.0/\0";
 const EXTENDED_XMP: &[u8] = b"http://ns.adobe.com/xmp/extension/\0";
@@ -40,7 +37,7 @@ pub(crate) fn parse(jpeg: &[u8]) -> JpegParts<'_> {
         }
         let Some(length) = jpeg.get(at..at + 2).map(|b| usize::from(u16::from_be_bytes([b[0], b[1]]))) else { break };
         let Some(data) = length.checked_sub(2).and_then(|len| jpeg.get(at + 2..at + 2 + len)) else { break };
-        parts.segments.push(Segment { marker, data, offset: at + 2 });
+        parts.segments.push(Segment { marker, data });
         at += length;
     }
     parts
@@ -75,12 +72,6 @@ impl<'a> JpegParts<'a> {
     /// The main XMP packet.
     pub(crate) fn xmp(&self) -> Option<&'a [u8]> {
         self.with_head(APP1, XMP).next()
-    }
-
-    /// The multi-picture index (CIPA DC-007) and where its offsets count from.
-    pub(crate) fn mpf(&self) -> Option<(&'a [u8], usize)> {
-        let found = self.segments.iter().find(|s| s.marker == APP2 && s.data.starts_with(b"MPF\0"))?;
-        Some((&found.data[4..], found.offset + 4))
     }
 
     /// The extended XMP packet with a GUID, put together from its chunks (XMP specification, part 3, 1.1.3.1).

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::formats::{self, phone};
+use super::formats::{self, lytro, phone};
 use super::raster::{self, Raster};
 use super::sniff::{Sniffed, sniff};
 use super::{DepthInfo, EmbeddedDepth, FileInfo, FileKind, OpenError, Opened, PhotoFile, Problem, exif, folder};
@@ -96,6 +96,7 @@ fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, 
                 advice: "save it as JPEG, PNG or HEIC",
             });
         }
+        Sniffed::Lfp => lytro::open(bytes)?,
         Sniffed::Heif => phone::heic::open(bytes)?,
         Sniffed::Jpeg => phone::jpeg::open(bytes)?,
         format => PhotoFile::from_raster(raster::decode(bytes, format)?, format)?,

@@ -14,8 +14,6 @@ use crate::io::Problem;
 pub(super) struct GridFiles {
     pub(super) grid: ViewGrid,
     pub(super) files: Vec<PathBuf>,
-    /// The names with their numbers replaced by `#`.
-    pub(super) pattern: String,
     /// Whether the names hold one running number only, so that it is a guess that they are views at all.
     pub(super) running: bool,
 }
@@ -71,14 +69,13 @@ pub(super) fn find(folder: &Path, grid: Option<ViewGrid>) -> Result<Option<GridF
     let fields = files[0].0.len();
     let changing: Vec<usize> = (0..fields).filter(|&at| files.iter().any(|(n, _)| n[at] != files[0].0[at])).collect();
     match changing[..] {
-        [row, col] => two_numbers(pattern, files, [row, col], grid).map(Some),
-        [at] => running_number(pattern, files, at, grid),
+        [row, col] => two_numbers(files, [row, col], grid).map(Some),
+        [at] => running_number(&pattern, files, at, grid),
         _ => Ok(None),
     }
 }
 
 fn two_numbers(
-    pattern: String,
     files: Vec<(Vec<u64>, PathBuf)>,
     [row, col]: [usize; 2],
     grid: Option<ViewGrid>,
@@ -104,12 +101,12 @@ fn two_numbers(
             ordered.push(by_place.get(&[r, c]).ok_or_else(missing)?.clone());
         }
     }
-    Ok(GridFiles { grid, files: ordered, pattern, running: false })
+    Ok(GridFiles { grid, files: ordered, running: false })
 }
 
 /// A running number fills the grid of the index file, else a square, else one row.
 fn running_number(
-    pattern: String,
+    pattern: &str,
     mut files: Vec<(Vec<u64>, PathBuf)>,
     at: usize,
     grid: Option<ViewGrid>,
@@ -137,7 +134,7 @@ fn running_number(
         }
     }
     let files = files.into_iter().take(count).map(|(_, path)| path).collect();
-    Ok(Some(GridFiles { grid: shape, files, pattern, running: !known }))
+    Ok(Some(GridFiles { grid: shape, files, running: !known }))
 }
 
 #[cfg(test)]

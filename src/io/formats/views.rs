@@ -1,16 +1,19 @@
 //! A folder of views: our own `views` folder (with `lightfield.json`), and any folder whose file names count views.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::grid_names::{self, GridFiles};
-use super::pfm;
-use crate::field::{LightField, RayDepths, View, ViewGrid, ViewIndex};
+use super::out::{self, Source};
+use super::{layout, pfm, stanford};
+use crate::field::{LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
 use crate::io::open::read_file;
+use crate::io::save::SaveError;
 use crate::io::sniff::sniff;
 use crate::io::{FileInfo, LightFieldFile, Problem, raster};
 use crate::job::{Job, Stage};
@@ -20,6 +23,8 @@ pub const INDEX_FILE: &str = "lightfield.json";
 /// The most bytes that the views of a light field may take.
 const MAX_FIELD_BYTES: u64 = 3 << 29;
 const FORMAT: &str = "views folder";
+/// Views of one scene differ by less than this when they are moved onto each other, on average.
+const UNRELATED: f32 = 0.05;
 
 /// The parts of `lightfield.json` that matter to a reader; everything else in it is let be.
 #[derive(Debug, Default, Deserialize)]
@@ -38,9 +43,20 @@ struct Index {
 pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
     let (index, index_warning) = read_index(folder)?;
     let grid = index.grid.map(|[rows, cols]| ViewGrid::new(rows, cols)).transpose()?;
-    let Some(files) = grid_names::find(folder, grid)? else { return Ok(None) };
-    let field = read_views(&files, job)?;
-    let mut info = FileInfo::light_field(FORMAT, &field);
+    let (format, files) = match stanford::find(folder)? {
+        Some(files) => ("Stanford archive", files),
+        None => match grid_names::find(folder, grid)? {
+            Some(files) => (FORMAT, files),
+            None => return Ok(None),
+        },
+    };
+    let field = match read_views(&files, job) {
+        // A running number alone is what photos have too: only pictures that fit together are views.
+        Ok(field) if files.running && layout::guess(&field)[0].error > UNRELATED => return Ok(None),
+        Err(Problem::TooLarge { .. } | Problem::Field(_)) if files.running => return Ok(None),
+        read => read?,
+    };
+    let mut info = FileInfo::light_field(format, &field);
     info.disparity_px = index.disparity_px_min_max.or(index.disparity_px_2_98);
     for (name, text) in [("name", index.name), ("camera", index.camera), ("scene", index.scene)] {
         info.notes.extend(text.map(|text| (name.to_owned(), text)));
@@ -57,11 +73,13 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
     }
     let name = |at: ViewIndex| folder.join(format!("disparity_{}_{}.pfm", at.v, at.u));
     let depths = read_depths(&field, name, job, &mut warnings)?;
-    if let Some(depths) = &depths {
-        info.disparity_px = Some(depths.range_px());
+    info.warnings = warnings;
+    let mut file = LightFieldFile::new(Arc::new(field), depths, info);
+    // Our own folders say how they lie; of others it is found out.
+    if index.grid.is_none() && file.depths.is_none() {
+        super::check_layout(&mut file);
     }
-    info.warnings.clone_from(&warnings);
-    Ok(Some(LightFieldFile { field: Arc::new(field), depths, reference_disparity: None, info, warnings }))
+    Ok(Some(file))
 }
 
 /// The index, or an empty one; a broken one is a warning, as the names tell the grid too.
@@ -154,5 +172,69 @@ pub(super) fn read_depths(
             warnings.push(format!("the ray depths are left out — {reason}"));
             Ok(None)
         }
+    }
+}
+
+/// `lightfield.json` as it is written.
+#[derive(Serialize)]
+struct WrittenIndex<'a> {
+    format: &'a str,
+    grid: [usize; 2],
+    reference_view: [u8; 2],
+    size_xy: [u32; 2],
+    disparity_px_min_max: Option<[f32; 2]>,
+    photo: Option<String>,
+    models: Vec<WrittenModel<'a>>,
+    convention: &'a str,
+}
+
+#[derive(Serialize)]
+struct WrittenModel<'a> {
+    id: &'a str,
+    sha256: &'a str,
+}
+
+/// The sign convention, for people.
+const CONVENTION: &str = "view(v,u)[y, x] = reference[y + (v-v0)*D, x + (u-u0)*D] with (v0, u0) the reference view; \
+    v counts views downwards, u to the right; D is the ray's own disparity in disparity_V_U.pfm, in pixels per view \
+    step; D > 0 is nearer than the focal plane";
+
+/// Writes our `views` folder: `view_V_U.png`, `disparity_V_U.pfm`, `lightfield.json`.
+///
+/// # Errors
+/// [`SaveError`]; then nothing has been written.
+pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
+    let is_ours = |name: &str| {
+        name == INDEX_FILE
+            || (name.starts_with("view_") && name.ends_with(".png"))
+            || (name.starts_with("disparity_") && name.ends_with(".pfm"))
+    };
+    out::folder(path, is_ours, |folder| {
+        out::views(folder, source.field, |at| format!("view_{}_{}.png", at.v, at.u), job)?;
+        if let Some(depths) = source.depths {
+            for at in depths.grid().views() {
+                job.check()?;
+                let name = format!("disparity_{}_{}.pfm", at.v, at.u);
+                out::map_pfm(&folder.join(name), depths.size(), depths.view(at))?;
+            }
+        }
+        let index = serde_json::to_vec_pretty(&index_of(source)).unwrap_or_default();
+        out::file(&folder.join(INDEX_FILE), |file| file.write_all(&index))
+    })
+}
+
+fn index_of<'a>(source: &Source<'a>) -> WrittenIndex<'a> {
+    let grid = source.field.grid();
+    let reference = grid.reference();
+    let name = |photo: &Photo| Some(photo.source()?.file_name()?.to_string_lossy().into_owned());
+    WrittenIndex {
+        format: "plenoscope views",
+        grid: [grid.rows(), grid.cols()],
+        reference_view: [reference.v, reference.u],
+        size_xy: source.field.size(),
+        disparity_px_min_max: source.depths.map(RayDepths::range_px),
+        photo: source.photo.and_then(name),
+        models: source.models.iter().map(|(id, sha256)| WrittenModel { id, sha256 }).collect(),
+        convention: CONVENTION,
     }
 }

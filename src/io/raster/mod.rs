@@ -41,15 +41,6 @@ pub(crate) enum Samples {
     Sixteen(Vec<[u16; 4]>),
 }
 
-impl Samples {
-    pub(crate) fn bits(&self) -> u8 {
-        match self {
-            Self::Eight(_) => 8,
-            Self::Sixteen(_) => 16,
-        }
-    }
-}
-
 /// Refuses a header whose pixels would not fit into memory, before anything is allocated.
 pub(crate) fn check_size(width: u64, height: u64, bytes_per_pixel: u64) -> Result<(), Problem> {
     let bytes = width.saturating_mul(height).saturating_mul(bytes_per_pixel);

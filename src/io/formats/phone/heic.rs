@@ -8,7 +8,7 @@ use moxcms::ColorProfile;
 
 use super::apple::Scale;
 use super::{UnitMap, spatial};
-use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, orient};
+use crate::io::raster::{Raster, Samples, check_size, orient};
 use crate::io::sniff::Sniffed;
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};

@@ -1,6 +1,6 @@
 //! Both eyes of a spatial photo (stereo-pair group `ster`): matched, they give depth.
 
-use heifer::heifer_isobmff::header::BoxIter;
+use heifer::heifer_isobmff::BoxIter;
 use heifer::heifer_isobmff::{HeifFile, ItemId};
 
 use super::heic::decode_item;
