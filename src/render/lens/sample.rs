@@ -1,0 +1,53 @@
+//! Bilinear reading of a grid at the pixels of another, by the conventions of [`crate::field`].
+
+/// Where the pixels of one axis lie in a grid: the lower neighbour and the share of the upper one.
+pub(super) struct Axis {
+    at: Vec<(u32, f32)>,
+    last: usize,
+}
+
+impl Axis {
+    /// Pixels `first ..` (`count` of them) of an axis with `pixels` pixels, in a grid with `cells` along it.
+    pub(super) fn new(first: i32, count: usize, pixels: u32, cells: u32) -> Self {
+        let scale = cells as f32 / pixels as f32;
+        let place = |i: usize| {
+            let inside = (first + i as i32).clamp(0, pixels as i32 - 1) as f32;
+            let at = ((inside + 0.5) * scale - 0.5).clamp(0.0, cells as f32 - 1.0);
+            (at as u32, at - at.floor())
+        };
+        Self { at: (0..count).map(place).collect(), last: cells as usize - 1 }
+    }
+
+    /// Lower neighbour, upper neighbour, share of the upper.
+    #[inline]
+    pub(super) fn get(&self, i: usize) -> (usize, usize, f32) {
+        let (low, share) = self.at[i];
+        (low as usize, (low as usize + 1).min(self.last), share)
+    }
+}
+
+/// One value between four.
+#[inline]
+pub(super) fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// Smooth step from 0 at `from` to 1 at `to`.
+#[inline]
+pub(super) fn ramp(from: f32, to: f32, value: f32) -> f32 {
+    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// All numbers of a cell, between four cells of a grid of `width` columns.
+#[inline]
+pub(super) fn bilinear<const N: usize>(
+    grid: &[[f32; N]],
+    width: usize,
+    (x0, x1, tx): (usize, usize, f32),
+    (y0, y1, ty): (usize, usize, f32),
+) -> [f32; N] {
+    let [a, b] = [&grid[y0 * width + x0], &grid[y0 * width + x1]];
+    let [c, d] = [&grid[y1 * width + x0], &grid[y1 * width + x1]];
+    std::array::from_fn(|i| mix(mix(a[i], b[i], tx), mix(c[i], d[i], tx), ty))
+}
