@@ -41,7 +41,7 @@ impl Conv {
     /// Packs `weights` `[c_out, c_in, (view taps,) y taps, x taps]` for [`forward`](Self::forward).
     pub fn pack(&self, weights: &[f32]) -> Packed {
         assert_eq!(weights.len(), self.shape.weights_len(), "number of weights");
-        Packed::new(weights, self.shape.channels_out, self.shape.channels_in, self.shape.kernel)
+        Packed::of(weights, self.shape.channels_out, self.shape.channels_in, self.shape.kernel)
     }
 
     /// The padded copy of `x` `[n, c_in, v, y, x]`.

@@ -15,8 +15,9 @@ pub struct Packed {
 }
 
 impl Packed {
-    /// Packs `weights` `[c_out, c_in, taps]`.
-    pub(super) fn new(weights: &[f32], channels_out: usize, channels_in: usize, kernel: Kernel) -> Self {
+    /// Packs `weights` `[c_out, c_in, taps]`, as [`Conv::pack`](super::Conv::pack) does, where the size of the picture
+    /// is not known yet.
+    pub fn of(weights: &[f32], channels_out: usize, channels_in: usize, kernel: Kernel) -> Self {
         let taps = kernel.taps();
         Self::from_fn(channels_out, channels_in, taps, |o, i, tap| weights[(o * channels_in + i) * taps + tap])
     }

@@ -6,8 +6,11 @@
 //!
 //! Optimising costs 20–100 ms and is bound to the shape, so whoever runs a net often keeps its `Runnable`.
 
+mod elu;
 mod error;
+mod op;
 mod options;
+mod rewrite;
 mod threads;
 
 use std::ops::Deref;
@@ -57,11 +60,13 @@ impl Deref for Output {
 /// Bytes that are no ONNX model, an operator that is not known, a shape that the net does not take, weights that
 /// are not finite.
 pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
-    let proto = onnx().proto_model_for_read(&mut &onnx_bytes[..]).map_err(EngineError::parse)?;
+    let isa = options.path.isa();
+    let onnx = if isa.is_some() { elu::onnx() } else { onnx() };
+    let proto = onnx.proto_model_for_read(&mut &onnx_bytes[..]).map_err(EngineError::parse)?;
     error::check_weights(&proto)?;
     let fact = f32::fact(input_shape).into();
     let shape_error = |source| EngineError::shape(input_shape, source);
-    let model = onnx()
+    let mut model = onnx
         .with_ignore_output_shapes(true)
         .model_for_proto_model(&proto)
         .map_err(EngineError::unsupported)?
@@ -69,6 +74,9 @@ pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> R
         .and_then(|model| model.into_typed())
         .and_then(|model| model.into_decluttered())
         .map_err(shape_error)?;
+    if let Some(isa) = isa {
+        rewrite::rewrite(&mut model, isa).map_err(shape_error)?;
+    }
     let plan = model.into_optimized().and_then(|model| model.into_runnable()).map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;
     Ok(Runnable { plan, input_shape: input_shape.to_vec(), output_shape, threads: options.threads })
@@ -89,6 +97,11 @@ impl Runnable {
         &self.output_shape
     }
 
+    /// How many convolutions of the net are done by the kernel.
+    pub fn direct_convolutions(&self) -> usize {
+        self.plan.model().nodes().iter().filter(|node| node.op_is::<op::DirectConv>()).count()
+    }
+
     /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)).
     ///
     /// `cancel` is looked at between blocks of rows of the direct convolutions.
@@ -99,8 +112,8 @@ impl Runnable {
         let stop = || if cancel.is_cancelled() { Err(EngineError::Cancelled) } else { Ok(()) };
         stop()?;
         let input = Tensor::from_shape(&self.input_shape, input).map_err(EngineError::run)?;
-        let outputs = threads::pool(self.threads)?
-            .install(|| multithread_tract_scope(Executor::RayonGlobal, || self.plan.run(tvec!(input.into_tvalue()))));
+        let run = || multithread_tract_scope(Executor::RayonGlobal, || self.plan.run(tvec!(input.into_tvalue())));
+        let outputs = threads::pool(self.threads)?.install(|| op::with_cancel(cancel, run));
         stop()?;
         let output = outputs.map_err(EngineError::run)?.remove(0).into_arc_tensor();
         Ok(Output(output))

@@ -1,5 +1,7 @@
 //! How a net is to be run.
 
+use crate::kernel::Isa;
+
 /// Which code does the convolutions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Path {
@@ -16,17 +18,27 @@ pub enum Path {
     Stock,
 }
 
+impl Path {
+    /// The instructions of the direct convolution; `None` for tract's own.
+    ///
+    /// A set that the processor does not have falls back to the next slower one, so that one choice in the settings
+    /// serves every machine.
+    pub(super) fn isa(self) -> Option<Isa> {
+        match self {
+            Self::Auto => Some(Isa::best()).filter(|isa| *isa != Isa::portable()),
+            Self::Avx512 => Some(Isa::best()),
+            Self::Avx2 => Isa::avx2().or(Some(Isa::portable())),
+            Self::Portable => Some(Isa::portable()),
+            Self::Stock => None,
+        }
+    }
+}
+
 /// How a net is to be run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Which code does the convolutions.
     pub path: Path,
     /// Threads that compute; 0 means one per processor core.
     pub threads: usize,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self { path: Path::Auto, threads: 0 }
-    }
 }

@@ -71,6 +71,163 @@ fn one_convolution(weights: &[f32]) -> Vec<u8> {
     model(vec![conv], vec![floats("w", &[1, 1, 3, 3], weights)], &[1, 1, -1, -2], &[1, 1, -1, -2])
 }
 
+/// A repeatable stream of numbers in −1 … 1.
+fn numbers(seed: u64, n: usize) -> Vec<f32> {
+    let mut state = seed;
+    let next = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1u64 << 23) as f32 - 1.0
+    };
+    std::iter::repeat_with(next).take(n).collect()
+}
+
+fn integers(name: &str, values: &[i64]) -> TensorProto {
+    let raw_data = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let dims = vec![values.len() as i64];
+    TensorProto { name: name.into(), dims, data_type: DataType::Int64 as i32, raw_data, ..Default::default() }
+}
+
+fn text(name: &str, value: &str) -> AttributeProto {
+    let r#type = AttributeType::String as i32;
+    AttributeProto { name: name.into(), s: value.into(), r#type, ..Default::default() }
+}
+
+/// A net that is written down node by node.
+#[derive(Default)]
+struct Net {
+    nodes: Vec<NodeProto>,
+    tensors: Vec<TensorProto>,
+    /// Name of the value that the next node reads.
+    last: String,
+    channels: usize,
+    rank: usize,
+}
+
+impl Net {
+    fn new(channels: usize, rank: usize) -> Self {
+        Self { last: "x".into(), channels, rank, ..Self::default() }
+    }
+
+    fn then(mut self, op: &str, more_inputs: &[&str], attributes: Vec<AttributeProto>) -> Self {
+        let output = format!("{op}{}", self.nodes.len());
+        let inputs: Vec<&str> = std::iter::once(self.last.as_str()).chain(more_inputs.iter().copied()).collect();
+        self.nodes.push(node(op, &inputs, &output, attributes));
+        self.last = output;
+        self
+    }
+
+    /// Padding by itself, as many on either side as the axis of `amounts` says.
+    fn pad(mut self, mode: &str, amounts: &[i64]) -> Self {
+        let name = format!("pads{}", self.nodes.len());
+        let one_side = [&[0, 0], amounts].concat();
+        self.tensors.push(integers(&name, &[one_side.clone(), one_side].concat()));
+        self.then("Pad", &[&name], vec![text("mode", mode)])
+    }
+
+    fn conv(mut self, channels: usize, dilation: i64, pads: i64, bias: bool) -> Self {
+        let (weights, biases) = (format!("w{}", self.nodes.len()), format!("b{}", self.nodes.len()));
+        let taps = 3usize.pow(self.rank as u32);
+        let mut dims = vec![channels as i64, self.channels as i64];
+        dims.resize(2 + self.rank, 3);
+        let seed = self.nodes.len() as u64 + 17;
+        let scale = (3.0 / (self.channels * taps) as f32).sqrt();
+        let values: Vec<f32> = numbers(seed, channels * self.channels * taps).iter().map(|v| v * scale).collect();
+        self.tensors.push(floats(&weights, &dims, &values));
+        self.tensors.push(floats(&biases, &[channels as i64], &numbers(seed + 1, channels)));
+        self.channels = channels;
+        let mut dilations = vec![dilation; self.rank];
+        let mut pads = vec![pads; self.rank];
+        if self.rank == 3 {
+            (dilations[0], pads[0]) = (1, pads[0].min(1));
+        }
+        let attributes = vec![ints("dilations", &dilations), ints("pads", &[pads.clone(), pads].concat())];
+        let inputs = [weights.as_str(), biases.as_str()];
+        self.then("Conv", if bias { &inputs } else { &inputs[..1] }, attributes)
+    }
+
+    fn finish(mut self, inputs: usize) -> Vec<u8> {
+        if let Some(last) = self.nodes.last_mut() {
+            last.output = vec!["y".into()];
+        }
+        let shape = |channels: usize| {
+            let mut shape = vec![1, channels as i64];
+            shape.extend((1..=self.rank as i64).map(|axis| -axis));
+            shape
+        };
+        let (input, output) = (shape(inputs), shape(self.channels));
+        model(self.nodes, self.tensors, &input, &output)
+    }
+}
+
+/// Runs `net` on every path and compares with tract's own; `direct` convolutions are to be the kernel's.
+fn assert_paths_agree(net: &[u8], shape: &[usize], direct: usize) {
+    let input = numbers(5, shape.iter().product());
+    let run = |path| {
+        let net = prepare(net, shape, &Options { path, threads: 2 }).unwrap();
+        let answer = net.run(&input, &Cancel::default()).unwrap();
+        (net.direct_convolutions(), answer)
+    };
+    let (_, stock) = run(Path::Stock);
+    for path in [Path::Avx512, Path::Avx2, Path::Portable] {
+        let (count, answer) = run(path);
+        assert_eq!(count, direct, "{path:?}: convolutions that were replaced");
+        assert_eq!(answer.shape(), stock.shape());
+        for (i, (a, b)) in answer.iter().zip(&stock[..]).enumerate() {
+            assert!((a - b).abs() <= 1e-5, "{path:?} {shape:?}: value {i} is {a}, not {b}");
+        }
+    }
+}
+
+#[test]
+fn a_depth_net_with_edge_padding_is_all_direct() {
+    let net = Net::new(5, 2).pad("edge", &[1, 1]).conv(16, 1, 0, true).then("Elu", &[], vec![]);
+    let net = net.pad("edge", &[4, 4]).conv(21, 4, 0, true).then("Elu", &[], vec![]);
+    let mut net = net.pad("edge", &[1, 1]).conv(4, 1, 0, true).then("Tanh", &[], vec![]);
+    net.tensors.push(floats("scale", &[], &[4.0]));
+    let net = net.then("Mul", &["scale"], vec![]).finish(5);
+    for [height, width] in [[1, 1], [3, 2], [17, 53], [12, 16]] {
+        assert_paths_agree(&net, &[1, 5, height, width], 3);
+    }
+}
+
+#[test]
+fn an_occlusion_net_over_views_is_all_direct() {
+    for padding in ["edge", "constant"] {
+        let net = Net::new(4, 3).pad(padding, &[1, 1, 1]).conv(8, 1, 0, true).then("Elu", &[], vec![]);
+        let net = net.conv(3, 1, 1, false).then("Tanh", &[], vec![]).finish(4);
+        for [views, height, width] in [[1, 1, 1], [6, 5, 9], [9, 8, 33]] {
+            assert_paths_agree(&net, &[1, 4, views, height, width], 2);
+        }
+    }
+}
+
+#[test]
+fn what_does_not_qualify_stays_with_tract() {
+    let valid = Net::new(2, 2).conv(3, 1, 0, true).finish(2);
+    assert_paths_agree(&valid, &[1, 2, 7, 8], 0);
+    let reflected = Net::new(2, 2).pad("reflect", &[1, 1]).conv(3, 1, 0, true).finish(2);
+    assert_paths_agree(&reflected, &[1, 2, 7, 8], 0);
+    let wide = Net::new(2, 2).pad("edge", &[2, 2]).conv(3, 1, 0, true).finish(2);
+    assert_paths_agree(&wide, &[1, 2, 7, 8], 0);
+    let mut strided = Net::new(2, 2).conv(3, 1, 1, true);
+    strided.nodes[0].attribute.push(ints("strides", &[2, 2]));
+    assert_paths_agree(&strided.finish(2), &[1, 2, 7, 8], 0);
+}
+
+#[test]
+fn an_elu_without_a_convolution_and_one_of_another_slope_are_right() {
+    let alpha =
+        AttributeProto { name: "alpha".into(), f: 0.5, r#type: AttributeType::Float as i32, ..Default::default() };
+    let net = Net::new(3, 2).then("Elu", &[], vec![]).conv(2, 1, 1, true).then("Elu", &[], vec![alpha]).finish(3);
+    assert_paths_agree(&net, &[1, 3, 6, 19], 1);
+}
+
+#[test]
+fn a_value_that_is_read_twice_is_not_swallowed() {
+    let net = Net::new(3, 2).conv(3, 1, 1, true).then("Elu", &[], vec![]).then("Add", &["Conv0"], vec![]).finish(3);
+    assert_paths_agree(&net, &[1, 3, 6, 19], 1);
+}
+
 #[test]
 fn the_identity_kernel_gives_the_picture_back() {
     let net = one_convolution(&[0., 0., 0., 0., 1., 0., 0., 0., 0.]);
