@@ -65,6 +65,12 @@ impl Isa {
     }
 }
 
+impl Default for Isa {
+    fn default() -> Self {
+        Self::best()
+    }
+}
+
 impl fmt::Display for Isa {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.0 {

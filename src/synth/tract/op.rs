@@ -105,7 +105,8 @@ impl EvalOp for DirectConv {
     op_out_of_plan!();
 
     fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
-        Ok(tvec!(self.run(&args_1!(inputs))?.into_tvalue()))
+        let input = args_1!(inputs);
+        Ok(tvec!(self.run(&input)?.into_tvalue()))
     }
 }
 
