@@ -1,1 +1,102 @@
-//! (to come)
+//! The window. `app` holds it together; `panels` draw; `worker` and `jobs` compute on threads; `stage` lies on the device.
+//!
+//! Rules: the UI thread never waits; events come in through one bounded channel, actions go out through
+//! [`action::Action`]; what a person turns lies in `state`, what is open in `document`.
+
+mod action;
+mod app;
+mod dialogs;
+mod document;
+mod export;
+mod export_views;
+mod finals;
+mod jobs;
+mod maker;
+mod neighbours;
+mod panels;
+mod stage;
+mod state;
+mod theme;
+mod tiles;
+mod toasts;
+mod widgets;
+mod worker;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+pub use app::App;
+
+use crate::synth::ModelSource;
+
+/// What the window is started with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Files to open; the first one is shown.
+    pub files: Vec<PathBuf>,
+    /// Where the nets come from.
+    pub models: ModelSource,
+    /// Long side of a view, in pixels; none is what the settings say.
+    pub long_side: Option<u32>,
+    /// Threads for the nets; 0 is one for each core.
+    pub threads: usize,
+    /// Whether the file of the last run is opened when none is named.
+    pub restores_last: bool,
+}
+
+/// The window could not be opened.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "could not open the window — {0} — install a graphics driver (Vulkan, Metal or DirectX 12), or use the command line"
+)]
+pub struct WindowError(String);
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// Where there is no display, or no graphics driver.
+pub fn run(options: Options) -> Result<(), WindowError> {
+    let mut native = eframe::NativeOptions {
+        renderer: eframe::Renderer::Wgpu,
+        viewport: egui::ViewportBuilder::default()
+            .with_app_id("plenoscope")
+            .with_title("Plenoscope")
+            .with_inner_size([1440.0, 900.0])
+            .with_min_inner_size([640.0, 480.0])
+            .with_drag_and_drop(true)
+            .with_icon(icon()),
+        ..Default::default()
+    };
+    if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut native.wgpu_options.wgpu_setup {
+        // The adapter's own limits: large photos and 17×17 views need more than the least that is promised everywhere.
+        setup.device_descriptor = Arc::new(|adapter: &wgpu::Adapter| wgpu::DeviceDescriptor {
+            label: Some("plenoscope"),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        });
+    }
+    let start = Box::new(move |creation: &eframe::CreationContext<'_>| {
+        let app = App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), creation.storage);
+        Ok(Box::new(app) as Box<dyn eframe::App>)
+    });
+    eframe::run_native("plenoscope", native, start).map_err(|error| WindowError(error.to_string()))
+}
+
+/// A ring of views round an amber one.
+fn icon() -> egui::IconData {
+    const SIDE: u32 = 64;
+    let mut rgba = Vec::with_capacity((SIDE * SIDE * 4) as usize);
+    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
+        let (cell_x, cell_y) = (x / 16, y / 16);
+        let is_gap = x % 16 < 2 || y % 16 < 2;
+        let palette = &theme::DARK;
+        let color = match (is_gap, cell_x, cell_y) {
+            (true, ..) => palette.surround,
+            (_, 2, 2) => palette.accent,
+            (_, 0 | 3, 0 | 3) => palette.control,
+            _ => palette.weak,
+        };
+        rgba.extend(color.to_array());
+    }
+    egui::IconData { rgba, width: SIDE, height: SIDE }
+}

@@ -1,0 +1,129 @@
+//! What the threads do: open a file and make a light field of it; write files.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::document::Document;
+use super::state::Source;
+use super::tiles::TileSet;
+use super::worker::{Event, JobId, Outbox, Work};
+use crate::field::{Photo, RayDepths, View, ViewIndex};
+use crate::io;
+use crate::job::{Cancel, Job, Progress, Sink};
+use crate::synth::ModelSource;
+
+/// Where a picture comes from.
+#[derive(Debug)]
+pub enum From {
+    /// A file or folder.
+    File(PathBuf),
+    /// Pixels of the clipboard, `[y, x, 4]`.
+    Pixels([u32; 2], Vec<u8>),
+    /// The built-in sample.
+    Sample,
+    /// What is open already, with other settings.
+    Again(Box<Document>),
+}
+
+/// A request to the thread that opens and synthesizes.
+#[derive(Debug)]
+pub struct Load {
+    /// What to open.
+    pub from: From,
+    /// Long side of a view, in pixels.
+    pub long_side: u32,
+    /// Whether the occlusion net corrects the views.
+    pub occlusion: bool,
+    /// Where ray depths come from.
+    pub source: Source,
+}
+
+/// Passes what a computation tells on to the window.
+struct ToWindow<'a> {
+    job: JobId,
+    outbox: &'a Outbox,
+}
+
+impl Sink for ToWindow<'_> {
+    fn progress(&self, progress: Progress) {
+        self.outbox.send(self.job, Event::Progress(progress));
+    }
+    fn depths(&self, depths: &Arc<RayDepths>) {
+        self.outbox.send(self.job, Event::Depths(Arc::clone(depths)));
+    }
+    fn view(&self, at: ViewIndex, view: &Arc<View>) {
+        self.outbox.send(self.job, Event::View(at, Arc::clone(view)));
+    }
+    fn warning(&self, text: String) {
+        self.outbox.send(self.job, Event::Warning(text));
+    }
+}
+
+/// The work of the thread that opens and synthesizes; it keeps the nets once they are loaded.
+pub fn loader(models: ModelSource, threads: usize) -> impl Work<Load> {
+    let mut maker = super::maker::Maker::new(models, threads);
+    move |job: JobId, load: Load, cancel: &Cancel, outbox: &Outbox| {
+        let sink = ToWindow { job, outbox };
+        let done = open(&load.from, job, &Job { cancel, sink: &sink }, outbox)
+            .and_then(|document| maker.make(&document, &load, &Job { cancel, sink: &sink }));
+        let event = match done {
+            _ if cancel.is_cancelled() => Event::Stopped,
+            Ok(made) => Event::Made(Box::new(made)),
+            Err(sentence) => Event::Failed(sentence),
+        };
+        outbox.send(job, event);
+    }
+}
+
+/// Reads a file and tells the window at once, with the picture ready for the screen.
+fn open(from: &From, job_id: JobId, job: &Job, outbox: &Outbox) -> Result<Document, String> {
+    let document = match from {
+        From::Again(document) => return Ok((**document).clone()),
+        From::File(path) => {
+            let opened = io::open(path, job).map_err(|error| sentence(&error))?;
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            Document::new(opened, Some(path), &name)
+        }
+        From::Pixels(size, rgba) => {
+            let mut rgba = rgba.clone();
+            rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);
+            let photo = Photo::from_srgb8(*size, rgba).map_err(|error| sentence(&error))?;
+            of_photo(photo.into(), "Pasted picture")
+        }
+        From::Sample => {
+            let sample = io::sample::sample().map_err(|error| sentence(&error))?;
+            Document { reference: Some(Arc::new(sample.disparity)), ..of_photo(sample.photo, "Sample") }
+        }
+    };
+    outbox.send(job_id, Event::Opened(Box::new(document.clone())));
+    if let Some(photo) = &document.photo {
+        let tiles = TileSet::new(photo.size(), photo.srgb8());
+        outbox.send(job_id, Event::Tiles(Arc::new(tiles)));
+    }
+    Ok(document)
+}
+
+fn of_photo(photo: Arc<Photo>, name: &str) -> Document {
+    let [w, h] = photo.size();
+    Document { name: name.to_owned(), facts: format!("{w} × {h}"), photo: Some(photo), ..Document::default() }
+}
+
+/// An error with its causes, as one sentence; a cause that the error's own text already holds is not repeated.
+pub fn sentence(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let inner_text = inner.to_string();
+        if !text.contains(&inner_text) {
+            text = format!("{text}: {inner_text}");
+        }
+        cause = inner.source();
+    }
+    text
+}
+
+/// How long something took.
+pub fn secs_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64()
+}

@@ -1,0 +1,97 @@
+//! Epipolar images in line with the picture: the row's under it, the column's beside it.
+
+use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
+
+use crate::field::{EpiLine, ViewIndex};
+use crate::render::gpu::Draw;
+use crate::ui::app::App;
+use crate::ui::stage::Slot;
+use crate::ui::{theme, widgets};
+
+/// Pixels that a view is thick in the texture.
+const SCALE: u32 = 4;
+
+/// Draws the row's image, the column's, and the slope in the corner between them.
+pub fn show(app: &mut App, ui: &Ui, [row, column, corner]: [Rect; 3]) {
+    let colors = theme::palette(ui.ctx());
+    for rect in [row, column, corner] {
+        ui.painter().rect_filled(rect, theme::PICTURE_RADIUS, colors.panel);
+    }
+    let (Some(size), Some(view), Some(field)) = (app.picture_size(), app.nearest_view(), app.document.field.clone())
+    else {
+        return;
+    };
+    let picture = app.pose.screen_rect(app.canvas, size);
+    let [w, h] = field.size();
+    let inside = |p: f32, n: u32| ((p * n as f32) as u32).min(n - 1);
+    let (x, y) = (inside(app.probe.x, w), inside(app.probe.y, h));
+    let lines = [
+        (row, Slot::EpiRow, EpiLine::Row { y, v: view.v }),
+        (column, Slot::EpiColumn, EpiLine::Column { x, u: view.u }),
+    ];
+    for (rect, slot, line) in lines {
+        let Some(stage) = &mut app.stage else { return };
+        let Some(id) = stage.show(slot, Draw::Epi { line, scale: SCALE }) else { continue };
+        let (on_screen, uv) = in_line(rect, picture, slot == Slot::EpiRow);
+        widgets::picture(ui.painter(), id, on_screen, uv, 1.0);
+    }
+    let disparity = app.document.disparity_at(view, [app.probe.x, app.probe.y]);
+    slope_lines(app, ui, [row, column], picture, view, disparity);
+    let photo_line = |p: f32, n: f32| (p * n) as u32;
+    widgets::veil_label(
+        ui,
+        row.left_top() + vec2(6.0, 6.0),
+        Align2::LEFT_TOP,
+        &format!("EPI u · row {}", photo_line(app.probe.y, size.y)),
+    );
+    widgets::veil_label(ui, column.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP, "EPI v");
+    if let Some(disparity) = disparity {
+        let text = widgets::signed(disparity, 2);
+        let middle = corner.center();
+        ui.painter().text(middle - vec2(0.0, 12.0), Align2::CENTER_CENTER, "slope", theme::small(), colors.weak);
+        ui.painter().text(middle + vec2(0.0, 5.0), Align2::CENTER_CENTER, text, theme::medium(), colors.strong);
+        ui.painter().text(middle + vec2(0.0, 21.0), Align2::CENTER_CENTER, "px/view", theme::small(), colors.weak);
+    }
+}
+
+/// Where the strip shows its image, and which part: the picture's own extent along the strip.
+fn in_line(strip: Rect, picture: Rect, is_row: bool) -> (Rect, Rect) {
+    let (mut on_screen, mut uv) = (strip, widgets::WHOLE);
+    if is_row {
+        (on_screen.min.x, on_screen.max.x) = (strip.left().max(picture.left()), strip.right().min(picture.right()));
+        uv.min.x = (on_screen.min.x - picture.left()) / picture.width();
+        uv.max.x = (on_screen.max.x - picture.left()) / picture.width();
+    } else {
+        (on_screen.min.y, on_screen.max.y) = (strip.top().max(picture.top()), strip.bottom().min(picture.bottom()));
+        uv.min.y = (on_screen.min.y - picture.top()) / picture.height();
+        uv.max.y = (on_screen.max.y - picture.top()) / picture.height();
+    }
+    (on_screen, uv)
+}
+
+/// The probe's point as it runs through the views: `x_u = x − (u − u0)·D` ([`crate::field`]).
+fn slope_lines(app: &App, ui: &Ui, [row, column]: [Rect; 2], picture: Rect, view: ViewIndex, disparity: Option<f32>) {
+    let (Some(field), Some(disparity)) = (&app.document.field, disparity) else { return };
+    let grid = field.grid();
+    let at = picture.min + app.probe * picture.size();
+    let per_px = picture.width() / field.size()[0] as f32;
+    let along = |center: f32, steps: f32| center - steps * disparity * per_px;
+    let accent = theme::palette(ui.ctx()).accent;
+    let line = |painter: &Painter, from, to| {
+        painter.line_segment([from, to], (3.0, theme::HAIR_RIM));
+        painter.line_segment([from, to], (1.5, accent));
+    };
+    let cols = grid.cols() as f32;
+    let (first, last) = (-f32::from(view.u) - 0.5, cols - 0.5 - f32::from(view.u));
+    let top = pos2(along(at.x, first), row.top());
+    line(&ui.painter_at(row), top, pos2(along(at.x, last), row.bottom()));
+    let rows = grid.rows() as f32;
+    let (first, last) = (-f32::from(view.v) - 0.5, rows - 0.5 - f32::from(view.v));
+    let left = pos2(column.left(), along(at.y, first));
+    line(&ui.painter_at(column), left, pos2(column.right(), along(at.y, last)));
+    // The view that is looked at.
+    let y = row.top() + (f32::from(view.u) + 0.5) / cols * row.height();
+    ui.painter_at(row).circle_filled(pos2(at.x, y), 2.5, accent);
+    let x = column.left() + (f32::from(view.v) + 0.5) / rows * column.width();
+    ui.painter_at(column).circle_filled(pos2(x, at.y), 2.5, accent);
+}

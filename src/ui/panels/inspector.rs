@@ -1,0 +1,443 @@
+//! The inspector: lens, viewpoint, ray depths, source, light field; views at its foot.
+
+use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+
+use crate::field::{FNumber, LensShape, ViewGrid, ViewIndex};
+use crate::render::cpu::Colormap;
+use crate::render::gpu::Draw;
+use crate::ui::action::Action;
+use crate::ui::app::App;
+use crate::ui::stage::Slot;
+use crate::ui::state::{Edit, Source};
+use crate::ui::theme::{self, GRID};
+use crate::ui::widgets::{self, Number};
+
+const STRIP_HEIGHT: f32 = 96.0;
+
+/// Draws the inspector.
+pub fn show(app: &mut App, ui: &mut Ui) {
+    let all = ui.max_rect();
+    let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
+    let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
+    ui.painter().rect_filled(all, 0, theme::palette(ui.ctx()).panel);
+    super::inside(ui, body, |ui| {
+        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            Frame::new().inner_margin(Margin::symmetric(16, 14)).show(ui, |ui| {
+                ui.set_width(theme::INSPECTOR_WIDTH - 32.0);
+                lens(app, ui);
+                viewpoint(app, ui);
+                ray_depths(app, ui);
+                source(app, ui);
+                light_field(app, ui);
+            });
+        });
+    });
+    super::inside(ui, strip, |ui| super::strip::show(app, ui));
+}
+
+fn lens(app: &mut App, ui: &mut Ui) {
+    let lens = &mut app.edit.lens;
+    let shape_now = lens.shape;
+    let mut shape = shape_now;
+    widgets::section(
+        ui,
+        "Lens",
+        |ui| shape_menu(ui, &mut shape),
+        |ui| {
+            aperture(ui, &mut lens.f_number);
+            ui.add_space(GRID);
+            focus(ui, lens);
+            shape_numbers(ui, &mut lens.shape);
+        },
+    );
+    if shape != shape_now {
+        app.edit.lens.shape = shape;
+    }
+}
+
+fn shape_menu(ui: &mut Ui, shape: &mut LensShape) {
+    let (name, _) = shape_name(*shape);
+    let all = [
+        LensShape::Disc,
+        LensShape::Square,
+        LensShape::Blades { count: 6, rotation_deg: 0.0, roundness: 0.2 },
+        LensShape::Ring { inner: 0.5 },
+        LensShape::CatEye { strength: 0.5 },
+    ];
+    let text = RichText::new(format!("{name} ⏷")).small().color(theme::palette(ui.ctx()).weak);
+    ui.menu_button(text, |ui| {
+        for choice in all {
+            let (name, hint) = shape_name(choice);
+            if ui.selectable_label(shape_name(*shape).0 == name, name).on_hover_text(hint).clicked() {
+                *shape = choice;
+                ui.close();
+            }
+        }
+    });
+}
+
+fn shape_name(shape: LensShape) -> (&'static str, &'static str) {
+    match shape {
+        LensShape::Disc => ("disc", "A round lens"),
+        LensShape::Square => ("square", "The square of the light field's own views"),
+        LensShape::Blades { .. } => ("blades", "A polygon of straight blades"),
+        LensShape::Ring { .. } => ("ring", "A mirror lens"),
+        LensShape::CatEye { .. } => ("cat's eye", "A disc cut by the barrel towards the corners"),
+    }
+}
+
+/// Place of an f-number on the slider: equal steps for equal ratios.
+fn place_from_f(f: FNumber) -> f32 {
+    (FNumber::PHOTO.0 / f.0).ln() / (FNumber::PHOTO.0 / FNumber::WIDEST.0).ln()
+}
+
+fn f_from_place(place: f32) -> FNumber {
+    FNumber(FNumber::PHOTO.0 * (FNumber::WIDEST.0 / FNumber::PHOTO.0).powf(place))
+}
+
+fn aperture(ui: &mut Ui, f: &mut FNumber) {
+    let colors = theme::palette(ui.ctx());
+    let spec = Number {
+        label: "Aperture",
+        range: [FNumber::WIDEST.0, FNumber::PHOTO.0],
+        speed: 0.05,
+        decimals: 1,
+        prefix: "f/",
+        suffix: "",
+        reset: FNumber::PAPER_WIDEST.0,
+        hint: "How wide the lens opens",
+    };
+    widgets::number(ui, &mut f.0, &spec);
+    let mut place = place_from_f(*f);
+    let reset = place_from_f(FNumber::PAPER_WIDEST);
+    let response = widgets::slider(ui, "Aperture slider", &mut place, reset);
+    if response.changed() {
+        *f = f_from_place(place);
+    }
+    let track = response.rect.shrink2(vec2(6.0, 0.0));
+    let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
+    for mark in [28.0f32, 14.0, 7.0, 3.5, 2.0, 1.0] {
+        let at = place_from_f(FNumber(mark));
+        let is_synthetic = mark < FNumber::PAPER_WIDEST.0;
+        let color = if is_synthetic { colors.weak.gamma_multiply(0.7) } else { colors.weak };
+        let text = if mark == 28.0 { "f/28".to_owned() } else { format!("{mark}") };
+        let align = [Align2::CENTER_CENTER, Align2::LEFT_CENTER, Align2::RIGHT_CENTER]
+            [if mark == 28.0 { 1 } else { usize::from(mark == 1.0) * 2 }];
+        let x = if mark == 28.0 { row.left() } else { track.left() + at * track.width() };
+        let x = if mark == 1.0 { row.right() } else { x };
+        let label = ui.painter().text(pos2(x, row.center().y), align, text, theme::small(), color);
+        let id = ui.scope_id().with(("mark", mark.to_bits()));
+        let hit = ui.interact(label.expand(3.0), id, Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
+        hit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("f/{mark}")));
+        if hit.clicked() {
+            f.0 = mark;
+        }
+        if is_synthetic {
+            hit.on_hover_text("Synthetic: wider than the light field");
+        }
+    }
+    if f.0 < FNumber::PAPER_WIDEST.0 - 0.01 {
+        ui.label(RichText::new("synthetic: wider than the light field").small().color(colors.weak));
+    }
+}
+
+fn focus(ui: &mut Ui, lens: &mut crate::field::Lens) {
+    let number = |label, range, hint| Number {
+        label,
+        range,
+        speed: 0.005,
+        decimals: 2,
+        prefix: "",
+        suffix: " px/view",
+        reset: 0.0,
+        hint,
+    };
+    widgets::number(ui, &mut lens.focus.disparity_px, &number("Focus", [-8.0, 8.0], "Disparity that is sharp"));
+    let colors = theme::palette(ui.ctx());
+    ui.horizontal(|ui| {
+        let text = RichText::new("Keep sharp").color(colors.text);
+        let label = ui.add(egui::Label::new(text).sense(Sense::click()));
+        if label.double_clicked() {
+            lens.keep_sharp_px = [0.0, 0.0];
+        }
+        label.on_hover_text("Depths around the focus that stay sharp too · double-click resets");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            let [far, near] = &mut lens.keep_sharp_px;
+            let near_spec = Number { suffix: "", ..number("Keep sharp, nearer", [0.0, 8.0], "Towards the eye") };
+            widgets::drag_value(ui, near, &near_spec);
+            ui.label(RichText::new("…").color(colors.weak));
+            let far_spec = Number { suffix: "", ..number("Keep sharp, farther", [-8.0, 0.0], "Away from the eye") };
+            widgets::drag_value(ui, far, &far_spec);
+        });
+    });
+    let tilt = |label, hint| Number { suffix: " px", ..number(label, [-4.0, 4.0], hint) };
+    let [across, down] = &mut lens.focus.tilt_px;
+    widgets::number(ui, across, &tilt("Tilt across", "Focal plane: growth from the left edge to the right"));
+    widgets::number(ui, down, &tilt("Tilt down", "Focal plane: growth from the upper edge to the lower"));
+    let mut percent = lens.highlights * 100.0;
+    let highlights = Number {
+        speed: 0.5,
+        decimals: 0,
+        suffix: " %",
+        ..number("Highlights", [0.0, 100.0], "Brightens clipped lights before they are blurred (photo size)")
+    };
+    if widgets::number(ui, &mut percent, &highlights) {
+        lens.highlights = percent / 100.0;
+    }
+}
+
+fn shape_numbers(ui: &mut Ui, shape: &mut LensShape) {
+    let part = |label, hint| Number {
+        label,
+        range: [0.0, 1.0],
+        speed: 0.005,
+        decimals: 2,
+        prefix: "",
+        suffix: "",
+        reset: 0.5,
+        hint,
+    };
+    match shape {
+        LensShape::Disc | LensShape::Square => {}
+        LensShape::Blades { count, rotation_deg, roundness } => {
+            let mut blades = f32::from(*count);
+            let spec =
+                Number { range: [5.0, 9.0], speed: 0.05, decimals: 0, reset: 6.0, ..part("Blades", "Straight edges") };
+            if widgets::number(ui, &mut blades, &spec) {
+                *count = blades.round() as u8;
+            }
+            let spec = Number {
+                range: [-180.0, 180.0],
+                speed: 0.5,
+                decimals: 0,
+                suffix: "°",
+                reset: 0.0,
+                ..part("Rotation", "Turns the blades")
+            };
+            widgets::number(ui, rotation_deg, &spec);
+            widgets::number(ui, roundness, &part("Roundness", "0 straight, 1 a disc"));
+        }
+        LensShape::Ring { inner } => {
+            widgets::number(ui, inner, &Number { range: [0.0, 0.9], ..part("Hole", "Radius of the mirror's hole") });
+        }
+        LensShape::CatEye { strength } => {
+            widgets::number(ui, strength, &part("Cat's eye", "How much the barrel cuts in the corners"));
+        }
+    }
+}
+
+fn viewpoint(app: &mut App, ui: &mut Ui) {
+    let Some(grid) = app.document.grid() else { return };
+    let ctx = ui.ctx().clone();
+    let mut action = None;
+    let centre = |ui: &mut Ui, action: &mut Option<Action>| {
+        if widgets::link(ui, "centre ⟲").on_hover_text(Action::ResetViewpoint.tip(&ctx)).clicked() {
+            *action = Some(Action::ResetViewpoint);
+        }
+    };
+    let mut beside = None;
+    widgets::section(
+        ui,
+        "Viewpoint",
+        |ui| centre(ui, &mut beside),
+        |ui| {
+            ui.horizontal_top(|ui| {
+                pad(app, ui, grid);
+                ui.add_space(2.0 * GRID);
+                ui.vertical(|ui| {
+                    ui.set_width(ui.available_width());
+                    coordinates(app, ui, grid);
+                    ui.add_space(GRID);
+                    let label = if app.is_circling { "⏸ circle" } else { "⏵ circle" };
+                    if widgets::link(ui, label).on_hover_text(Action::Circle.tip(&ctx)).clicked() {
+                        action = Some(Action::Circle);
+                    }
+                    ui.add_space(GRID);
+                    let weak = theme::palette(&ctx).weak;
+                    ui.label(RichText::new("drag the picture\nto look round").small().color(weak));
+                });
+            });
+        },
+    );
+    if let Some(action) = action.or(beside) {
+        app.apply(action, &ctx);
+    }
+}
+
+fn coordinates(app: &mut App, ui: &mut Ui, grid: ViewGrid) {
+    let [lo, hi] = [ViewIndex { v: 0, u: 0 }, ViewIndex { v: grid.rows() as u8 - 1, u: grid.cols() as u8 - 1 }];
+    let (lo, hi) = (grid.offset(lo), grid.offset(hi));
+    let Edit { viewpoint, .. } = &mut app.edit;
+    let spec = |label, range| Number {
+        label,
+        range,
+        speed: 0.02,
+        decimals: 1,
+        prefix: "",
+        suffix: "",
+        reset: 0.0,
+        hint: "Steps from where the photo was taken",
+    };
+    widgets::number(ui, &mut viewpoint.0.du, &spec("u", [lo.du, hi.du]));
+    widgets::number(ui, &mut viewpoint.0.dv, &spec("v", [lo.dv, hi.dv]));
+}
+
+/// One cell a view: the brighter, the less of it was invented; amber where the eye is.
+fn pad(app: &mut App, ui: &mut Ui, grid: ViewGrid) {
+    let colors = theme::palette(ui.ctx());
+    let most = grid.rows().max(grid.cols()) as f32;
+    let pitch = (128.0 / most).clamp(8.0, 18.0).floor();
+    let size = vec2(grid.cols() as f32 * pitch, grid.rows() as f32 * pitch);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Group, true, "Viewpoint pad"));
+    let zero = grid.reference();
+    if let Some(at) = response.interact_pointer_pos() {
+        let place = (at - rect.min) / pitch - vec2(0.5, 0.5);
+        app.is_circling = false;
+        let is_free = ui.input(|input| input.modifiers.shift);
+        let step = |p: f32, zero: u8| if is_free { p - f32::from(zero) } else { p.round() - f32::from(zero) };
+        app.look_from(crate::field::ViewOffset { dv: step(place.y, zero.v), du: step(place.x, zero.u) });
+    }
+    let here = grid.nearest(app.edit.viewpoint.0);
+    for view in grid.views() {
+        let min = rect.min + vec2(f32::from(view.u), f32::from(view.v)) * pitch;
+        let cell = Rect::from_min_size(min, vec2(pitch, pitch)).shrink(1.0);
+        let seen = app.document.survey.as_ref().and_then(|survey| survey.seen.get(grid.layer_from_view(view)).copied());
+        // Half a view invented is as dark as it gets.
+        let share = seen.map_or(0.3, |seen| ((seen - 0.5) * 2.0).clamp(0.0, 1.0));
+        let color = if view == here { colors.accent } else { mixed(colors.control, colors.bar, share) };
+        ui.painter().rect_filled(cell, 2, color);
+    }
+    let eye = app.edit.viewpoint.0.to_vec2();
+    let at = rect.min + vec2(eye.x + f32::from(zero.u) + 0.5, eye.y + f32::from(zero.v) + 0.5) * pitch;
+    ui.painter().circle(at, 2.5, colors.strong, (1.0, colors.panel));
+    response.on_hover_text(
+        "Click or drag: where the eye is. Brighter cells hold less that was invented. Shift: between views",
+    );
+}
+
+fn mixed(a: Color32, b: Color32, t: f32) -> Color32 {
+    a.lerp_to_gamma(b, t)
+}
+
+fn ray_depths(app: &mut App, ui: &mut Ui) {
+    let (Some(view), Some(survey), Some(size)) = (app.nearest_view(), app.document.survey.clone(), app.picture_size())
+    else {
+        return;
+    };
+    let mut map = app.settings.colormap;
+    widgets::section(
+        ui,
+        "Ray depths",
+        |ui| colormap_menu(ui, &mut map),
+        |ui| {
+            let width = ui.available_width();
+            let height = (width * size.y / size.x).min(150.0);
+            let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Ray depths picture"));
+            let draw = Draw::Depth { view, range: survey.range_px, map: app.settings.colormap };
+            if let Some(id) = app.stage.as_mut().and_then(|stage| stage.show(Slot::Depth, draw)) {
+                // The middle of the map, so that nothing is squeezed.
+                let cut = (1.0 - height / (width * size.y / size.x)) / 2.0;
+                let uv = Rect::from_min_max(pos2(0.0, cut), pos2(1.0, 1.0 - cut));
+                widgets::picture(ui.painter(), id, rect, uv, 1.0);
+            }
+            if response.on_hover_text(Action::Depths.tip(ui.ctx())).clicked() {
+                app.face = crate::ui::state::Face::Depths;
+            }
+            let colors = theme::palette(ui.ctx());
+            let (row, _) = ui.allocate_exact_size(vec2(width, 16.0), Sense::hover());
+            let y = row.center().y;
+            let [far, near] = survey.range_px.map(|d| widgets::signed(d, 2));
+            let texts = [
+                (pos2(row.left(), y), Align2::LEFT_CENTER, format!("far {far}")),
+                (pos2(row.center().x, y), Align2::CENTER_CENTER, "px/view".to_owned()),
+                (pos2(row.right(), y), Align2::RIGHT_CENTER, format!("near {near}")),
+            ];
+            for (at, align, text) in texts {
+                ui.painter().text(at, align, text, theme::small(), colors.weak);
+            }
+        },
+    );
+    app.settings.colormap = map;
+}
+
+pub(super) fn colormap_menu(ui: &mut Ui, map: &mut Colormap) {
+    let text = RichText::new(format!("{} ⏷", map.label())).small().color(theme::palette(ui.ctx()).weak);
+    ui.menu_button(text, |ui| {
+        for choice in Colormap::ALL {
+            if ui.selectable_label(*map == choice, choice.label()).clicked() {
+                *map = choice;
+                ui.close();
+            }
+        }
+    });
+}
+
+fn source(app: &mut App, ui: &mut Ui) {
+    if app.document.is_from_disk() {
+        return;
+    }
+    let has_phone = app.document.phone.is_some();
+    let mut source = if has_phone { app.settings.source } else { Source::Network };
+    let mut is_changed = false;
+    widgets::section(
+        ui,
+        "Source",
+        |_| {},
+        |ui| {
+            if has_phone {
+                let choices = [(Source::Network, "Network"), (Source::Phone, "Phone"), (Source::Fused, "Fused")];
+                is_changed = widgets::segmented(ui, "Source", &mut source, &choices);
+            } else {
+                row(ui, "Ray depths by", "network");
+            }
+        },
+    );
+    if is_changed {
+        app.settings.source = source;
+        app.make_again();
+    }
+}
+
+fn light_field(app: &mut App, ui: &mut Ui) {
+    let Some(field) = app.document.field.clone() else { return };
+    let (grid, [w, h]) = (field.grid(), field.size());
+    widgets::section(
+        ui,
+        "Light field",
+        |_| {},
+        |ui| {
+            row(ui, &format!("{} × {} views", grid.cols(), grid.rows()), &format!("{w} × {h}"));
+            row(ui, "Made by", &app.document.made_by);
+            if app.document.took_secs > 0.0 && !app.document.is_from_disk() {
+                row(ui, "Took", &format!("{:.1} s", app.document.took_secs));
+            }
+        },
+    );
+}
+
+fn row(ui: &mut Ui, name: &str, value: &str) {
+    let colors = theme::palette(ui.ctx());
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(name).color(colors.weak));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.add(egui::Label::new(RichText::new(value).color(colors.strong)).truncate());
+        });
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_apertures_lie_at_equal_distances() {
+        let places = [28.0, 14.0, 7.0, 3.5].map(|f| place_from_f(FNumber(f)));
+        let steps: Vec<f32> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        assert!(steps.iter().all(|step| (step - steps[0]).abs() < 1e-6));
+        assert!((f_from_place(place_from_f(FNumber(5.6))).0 - 5.6).abs() < 1e-4);
+        assert!((place_from_f(FNumber::WIDEST) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,45 @@
+//! The settings that are not part of an edit.
+
+use egui::{Context, RichText, ThemePreference};
+
+use crate::ui::app::App;
+use crate::ui::{theme, widgets};
+
+/// Draws the dialog; false once it is to be closed.
+pub fn show(app: &mut App, ctx: &Context) -> bool {
+    let colors = theme::palette(ctx);
+    let before = (app.settings.long_side, app.settings.occlusion);
+    let mut is_open = true;
+    let modal = egui::Modal::new(egui::Id::unique("settings")).backdrop_color(theme::VEIL.gamma_multiply(0.7));
+    let shown = modal.show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.spacing_mut().item_spacing.y = 8.0;
+        ui.label(RichText::new("Settings").font(theme::title(16.0)).color(colors.strong));
+        widgets::labelled(ui, "Theme", |ui| {
+            let themes = [
+                (ThemePreference::Dark, "Dark"),
+                (ThemePreference::Light, "Light"),
+                (ThemePreference::System, "System"),
+            ];
+            if widgets::segmented(ui, "Theme", &mut app.settings.theme, &themes) {
+                ctx.set_theme(app.settings.theme);
+            }
+        });
+        widgets::labelled(ui, "Light field", |ui| {
+            let sizes = [(270, "270 px"), (360, "360 px"), (540, "540 px"), (720, "720 px")];
+            widgets::segmented(ui, "Light field", &mut app.settings.long_side, &sizes);
+        });
+        widgets::labelled(ui, "Occlusions", |ui| {
+            ui.checkbox(&mut app.settings.occlusion, "Correct them by the second net");
+        });
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if widgets::main_button(ui, "Done").clicked() {
+                is_open = false;
+            }
+        });
+    });
+    if before != (app.settings.long_side, app.settings.occlusion) {
+        app.make_again();
+    }
+    is_open && !shown.should_close()
+}

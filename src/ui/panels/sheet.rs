@@ -1,0 +1,48 @@
+//! The shortcut sheet: what the mouse does, and all keys.
+
+use egui::{Align2, Context, RichText, Sense, Ui, vec2};
+
+use crate::ui::action::{Action, MOUSE};
+use crate::ui::theme;
+
+/// Draws the sheet; false once it is to be closed.
+pub fn show(ctx: &Context) -> bool {
+    let colors = theme::palette(ctx);
+    let modal = egui::Modal::new(egui::Id::unique("shortcuts")).backdrop_color(theme::VEIL.gamma_multiply(0.7));
+    let shown = modal.show(ctx, |ui| {
+        ui.set_width(640.0);
+        ui.label(RichText::new("Shortcuts").font(theme::title(16.0)).color(colors.strong));
+        ui.add_space(10.0);
+        ui.columns(2, |columns| {
+            head(&mut columns[0], "Mouse");
+            for (keys, what) in MOUSE {
+                line(&mut columns[0], what, keys);
+            }
+            for (column, groups) in [(0, &["Viewpoint", "Edit", "Help"][..]), (1, &["View", "File"][..])] {
+                for group in groups {
+                    head(&mut columns[column], group);
+                    for action in Action::ALL.into_iter().filter(|action| action.spec().group == *group) {
+                        let spec = action.spec();
+                        if let Some(keys) = spec.shortcut {
+                            line(&mut columns[column], spec.label, &ctx.format_shortcut(&keys));
+                        }
+                    }
+                }
+            }
+        });
+    });
+    !shown.should_close()
+}
+
+fn head(ui: &mut Ui, text: &str) {
+    let weak = theme::palette(ui.ctx()).weak;
+    ui.add_space(6.0);
+    ui.label(RichText::new(text).font(theme::head()).color(weak));
+}
+
+fn line(ui: &mut Ui, what: &str, keys: &str) {
+    let colors = theme::palette(ui.ctx());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width() - 8.0, 19.0), Sense::hover());
+    ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, what, theme::text(), colors.text);
+    ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, keys, theme::small(), colors.accent_text);
+}

@@ -1,0 +1,67 @@
+//! The status line: what runs, how far, how long, how to stop it; the zoom; what draws and what computes.
+
+use egui::{Align2, Rect, Ui, pos2, vec2};
+
+use crate::ui::app::{App, Running, now};
+use crate::ui::state::Pose;
+use crate::ui::theme;
+
+/// Draws the line.
+pub fn show(app: &App, ui: &Ui) {
+    let rect = ui.max_rect().shrink2(vec2(14.0, 0.0));
+    let colors = theme::palette(ui.ctx());
+    let y = rect.center().y;
+    let mut x = rect.left();
+    for running in [&app.loading, &app.saving].into_iter().flatten() {
+        x = job(ui, running, pos2(x, y)) + 24.0;
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
+    }
+    if app.loading.is_none() && app.saving.is_none() {
+        let text = idle_text(app);
+        ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak);
+    }
+    let drawn = app.stage.as_ref().map_or("no device", |stage| stage.adapter.as_str());
+    let threads = app.threads;
+    let right = match threads {
+        0 => format!("drawn by {drawn}"),
+        1 => format!("drawn by {drawn} · nets on 1 CPU thread"),
+        _ => format!("drawn by {drawn} · nets on {threads} CPU threads"),
+    };
+    let shown = ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, right, theme::small(), colors.weak);
+    if let Some(size) = app.picture_size() {
+        let per_pixel = Pose::fit(app.canvas, size).x * app.pose.zoom * ui.ctx().pixels_per_point() / size.x;
+        let zoom = format!("zoom {:.0} %", per_pixel * 100.0);
+        let at = pos2(shown.left() - 24.0, y);
+        ui.painter().text(at, Align2::RIGHT_CENTER, zoom, theme::small(), colors.weak);
+    }
+}
+
+fn idle_text(app: &App) -> &'static str {
+    match (app.picture_size(), app.document.field.is_some(), app.document.depths.is_some()) {
+        (None, ..) => "Everything stays on this computer",
+        (Some(_), true, true) => "Drag to look round · click to focus · wheel to zoom · F1 for all keys",
+        (Some(_), true, false) => "Drag to look round · wheel to zoom · F1 for all keys",
+        (Some(_), false, _) => "No light field · wheel to zoom",
+    }
+}
+
+/// A job with its bar; returns where it ends.
+fn job(ui: &Ui, running: &Running, at: egui::Pos2) -> f32 {
+    let colors = theme::palette(ui.ctx());
+    let label = match running.progress {
+        Some(progress) if progress.total > 1 => {
+            format!("{} · {} of {}", progress.stage.label(), progress.done, progress.total)
+        }
+        Some(progress) => progress.stage.label().to_owned(),
+        None => "Opening".to_owned(),
+    };
+    let text = ui.painter().text(at, Align2::LEFT_CENTER, label, theme::small(), colors.text);
+    let bar = Rect::from_min_size(pos2(text.right() + 16.0, at.y - 1.5), vec2(160.0, 3.0));
+    let share = running.progress.map_or(0.0, |p| p.done as f32 / p.total.max(1) as f32);
+    ui.painter().rect_filled(bar, 2, colors.control);
+    let done = Rect::from_min_size(bar.min, vec2(bar.width() * share.clamp(0.0, 1.0), bar.height()));
+    ui.painter().rect_filled(done, 2, colors.accent);
+    let time = format!("{:.1} s · Esc stops", now() - running.since_secs);
+    let at = pos2(bar.right() + 16.0, at.y);
+    ui.painter().text(at, Align2::LEFT_CENTER, time, theme::small(), colors.weak).right()
+}

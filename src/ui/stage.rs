@@ -1,0 +1,149 @@
+//! The light field on the device, and the pictures of it that the window shows.
+
+use std::sync::Arc;
+
+use eframe::egui_wgpu::RenderState;
+use egui::TextureId;
+
+use crate::field::{LightField, RayDepths, View, ViewGrid, ViewIndex};
+use crate::render::gpu::{Budget, Draw, FieldTexture, Gpu, Target};
+
+/// Which picture of the light field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slot {
+    /// The canvas.
+    Picture,
+    /// The epipolar image under it.
+    EpiRow,
+    /// The epipolar image beside it.
+    EpiColumn,
+    /// Ray depths in canvas and inspector.
+    Depth,
+}
+
+/// A picture that egui can draw.
+struct Shown {
+    target: Target,
+    id: TextureId,
+}
+
+/// All that lies on the device.
+pub struct Stage {
+    render: RenderState,
+    gpu: Gpu,
+    field: Option<FieldTexture>,
+    shown: [Option<Shown>; 4],
+    views: Vec<TextureId>,
+    /// What draws: the adapter's name.
+    pub adapter: String,
+}
+
+impl Stage {
+    /// Builds the passes on egui's device.
+    pub fn new(render: &RenderState) -> Self {
+        let info = render.adapter.get_info();
+        let is_software = info.device_type == wgpu::DeviceType::Cpu;
+        let adapter = if is_software { "the processor".to_owned() } else { info.name };
+        let gpu = Gpu::new(&render.device, &render.queue, is_software);
+        Self { render: render.clone(), gpu, field: None, shown: Default::default(), views: Vec::new(), adapter }
+    }
+
+    /// Whether heavy pictures are thinned while something moves.
+    pub fn is_software(&self) -> bool {
+        self.gpu.is_software()
+    }
+
+    /// Forgets the light field.
+    pub fn clear(&mut self) {
+        let mut renderer = self.render.renderer.write();
+        self.views.drain(..).for_each(|id| renderer.free_texture(&id));
+        self.shown.iter_mut().filter_map(Option::take).for_each(|shown| renderer.free_texture(&shown.id));
+        self.field = None;
+    }
+
+    /// Room for a light field of this shape; what was there goes, unless the shape is the same.
+    fn make_room(&mut self, grid: ViewGrid, size: [u32; 2]) {
+        let fits = |field: &FieldTexture| field.grid() == grid && field.size() == size;
+        if self.field.as_ref().is_some_and(fits) {
+            return;
+        }
+        self.clear();
+        self.field = FieldTexture::new(&self.gpu, grid, size);
+        let Some(field) = &self.field else { return };
+        let mut renderer = self.render.renderer.write();
+        self.views = grid
+            .views()
+            .map(|at| {
+                let view = field.encoded_view(at);
+                renderer.register_native_texture(&self.render.device, &view, wgpu::FilterMode::Linear)
+            })
+            .collect();
+    }
+
+    /// Queues one view.
+    pub fn push_view(&mut self, grid: ViewGrid, at: ViewIndex, view: &Arc<View>) {
+        self.make_room(grid, view.size());
+        if let Some(field) = &mut self.field {
+            field.push_view(at, view);
+        }
+    }
+
+    /// Queues a whole light field; views that are there already are replaced.
+    pub fn push_field(&mut self, light_field: &LightField) {
+        self.make_room(light_field.grid(), light_field.size());
+        if let Some(field) = &mut self.field {
+            field.push_field(light_field);
+        }
+    }
+
+    /// Queues ray depths.
+    pub fn push_depths(&mut self, depths: &Arc<RayDepths>) {
+        self.make_room(depths.grid(), depths.size());
+        if let Some(field) = &mut self.field {
+            field.push_depths(depths);
+        }
+    }
+
+    /// Uploads a frame's share; true while more waits.
+    pub fn upload_some(&mut self) -> bool {
+        self.field.as_mut().is_some_and(|field| field.upload_some(&self.gpu, Budget::default()))
+    }
+
+    /// Views that are on the device, and all of them.
+    pub fn arrived(&self) -> Option<(usize, usize)> {
+        self.field.as_ref().map(|field| (field.views_arrived(), field.grid().count()))
+    }
+
+    /// One view as egui draws it, if it has arrived.
+    pub fn view(&self, grid: ViewGrid, at: ViewIndex) -> Option<TextureId> {
+        let field = self.field.as_ref().filter(|field| field.has_view(at))?;
+        (field.grid() == grid).then(|| self.views.get(grid.layer_from_view(at)).copied())?
+    }
+
+    /// A picture of the light field, drawn again if what it shows has changed; `None` while nothing has arrived.
+    pub fn show(&mut self, slot: Slot, draw: Draw) -> Option<TextureId> {
+        let field = self.field.as_ref()?;
+        let has_content = match draw {
+            Draw::Depth { view, .. } => field.has_depth(view),
+            _ => field.views_arrived() > 0,
+        };
+        if !has_content {
+            return None;
+        }
+        let size = draw.size(field.grid(), field.size());
+        let shown = &mut self.shown[slot as usize];
+        if shown.as_ref().is_none_or(|shown| shown.target.size() != size) {
+            let target = Target::new(&self.gpu, size);
+            let mut renderer = self.render.renderer.write();
+            if let Some(old) = shown.take() {
+                renderer.free_texture(&old.id);
+            }
+            let filter = wgpu::FilterMode::Linear;
+            let id = renderer.register_native_texture(&self.render.device, target.encoded_view(), filter);
+            *shown = Some(Shown { target, id });
+        }
+        let shown = shown.as_mut()?;
+        shown.target.update(&self.gpu, field, draw);
+        Some(shown.id)
+    }
+}

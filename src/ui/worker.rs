@@ -1,0 +1,238 @@
+//! Threads that compute, and how they talk to the window: requests in, events out, neither side ever waits for a lock
+//! that is held while something is computed.
+
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use super::document::{Document, Made};
+use super::tiles::TileSet;
+use crate::field::{RayDepths, View, ViewIndex};
+use crate::job::{Cancel, Progress};
+use crate::render::Picture;
+
+/// Tells the results of one request from those of another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct JobId(u64);
+
+impl JobId {
+    fn next() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// What the threads tell the window. Big things come as handles that nobody copies.
+#[derive(Debug)]
+pub enum Event {
+    /// A photo or a light field has been read.
+    Opened(Box<Document>),
+    /// The photo, ready for the screen.
+    Tiles(Arc<TileSet>),
+    /// A job went on a little.
+    Progress(Progress),
+    /// Ray depths are there, before the views.
+    Depths(Arc<RayDepths>),
+    /// A view is there; it comes again once it is corrected.
+    View(ViewIndex, Arc<View>),
+    /// The light field is complete.
+    Made(Box<Made>),
+    /// A picture at rest, by the lens renderer.
+    Final(Box<(super::finals::Key, Arc<TileSet>)>),
+    /// A file was written.
+    Saved(PathBuf),
+    /// A picture for the clipboard.
+    Copied(Arc<Picture>),
+    /// Where a dialog led.
+    Picked(super::dialogs::Picked),
+    /// Something went wrong that does not stop the job.
+    Warning(String),
+    /// The job was stopped: not an error.
+    Stopped,
+    /// The job failed; the sentence says what, why and what to do.
+    Failed(String),
+}
+
+/// The way from a thread to the window.
+#[derive(Clone)]
+pub struct Outbox {
+    sender: SyncSender<(JobId, Event)>,
+    ctx: egui::Context,
+}
+
+impl Outbox {
+    /// An outbox that wakes a window.
+    pub fn new(sender: SyncSender<(JobId, Event)>, ctx: egui::Context) -> Self {
+        Self { sender, ctx }
+    }
+
+    /// Tells the window; waits while its letter box is full, so that a slow window slows the thread and memory stays
+    /// flat. False once the window is gone.
+    pub fn send(&self, job: JobId, event: Event) -> bool {
+        let sent = self.sender.send((job, event)).is_ok();
+        self.ctx.request_repaint();
+        sent
+    }
+}
+
+/// What a thread does with a request.
+pub trait Work<R>: FnMut(JobId, R, &Cancel, &Outbox) + Send + 'static {}
+impl<R, F: FnMut(JobId, R, &Cancel, &Outbox) + Send + 'static> Work<R> for F {}
+
+struct Inner<R> {
+    waiting: VecDeque<(JobId, R, Cancel)>,
+    running: Option<(JobId, Cancel)>,
+    is_closed: bool,
+}
+
+struct Shared<R> {
+    inner: Mutex<Inner<R>>,
+    wake: Condvar,
+}
+
+impl<R> Shared<R> {
+    fn lock(&self) -> MutexGuard<'_, Inner<R>> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A named thread that does one request after the other. Dropping it stops it.
+pub struct Worker<R> {
+    shared: Arc<Shared<R>>,
+}
+
+impl<R: Send + 'static> Worker<R> {
+    /// Starts the thread. Without one (the system has none left) requests wait for ever, and the log says so.
+    pub fn spawn(name: &str, outbox: Outbox, mut work: impl Work<R>) -> Self {
+        let inner = Inner { waiting: VecDeque::new(), running: None, is_closed: false };
+        let shared = Arc::new(Shared { inner: Mutex::new(inner), wake: Condvar::new() });
+        let theirs = Arc::clone(&shared);
+        let started = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+            while let Some((job, request, cancel)) = next(&theirs) {
+                // A bug in one job must not take the window down.
+                let done = catch_unwind(AssertUnwindSafe(|| work(job, request, &cancel, &outbox)));
+                theirs.lock().running = None;
+                if let Err(panic) = done {
+                    outbox.send(job, Event::Failed(panic_text(panic.as_ref())));
+                }
+            }
+        });
+        if let Err(error) = started {
+            log::error!("the thread {name} did not start: {error}");
+        }
+        Self { shared }
+    }
+
+    /// Puts a request behind those that wait; all are done.
+    pub fn push(&self, request: R) -> JobId {
+        self.add(request, false)
+    }
+
+    /// Latest wins: stops what runs, forgets what waits, and does this.
+    pub fn replace(&self, request: R) -> JobId {
+        self.add(request, true)
+    }
+
+    fn add(&self, request: R, is_latest: bool) -> JobId {
+        let job = JobId::next();
+        let mut inner = self.shared.lock();
+        if is_latest {
+            inner.stop();
+        }
+        inner.waiting.push_back((job, request, Cancel::default()));
+        self.shared.wake.notify_one();
+        job
+    }
+
+    /// Stops what runs and forgets what waits.
+    pub fn stop(&self) {
+        self.shared.lock().stop();
+    }
+}
+
+impl<R> Inner<R> {
+    fn stop(&mut self) {
+        self.waiting.clear();
+        if let Some((_, cancel)) = &self.running {
+            cancel.cancel();
+        }
+    }
+}
+
+impl<R> Drop for Worker<R> {
+    fn drop(&mut self) {
+        let mut inner = self.shared.lock();
+        inner.stop();
+        inner.is_closed = true;
+        self.shared.wake.notify_one();
+    }
+}
+
+/// The next request; `None` when the window is gone.
+fn next<R>(shared: &Shared<R>) -> Option<(JobId, R, Cancel)> {
+    let mut inner = shared.lock();
+    loop {
+        if inner.is_closed {
+            return None;
+        }
+        if let Some((job, request, cancel)) = inner.waiting.pop_front() {
+            inner.running = Some((job, cancel.clone()));
+            return Some((job, request, cancel));
+        }
+        inner = shared.wake.wait(inner).unwrap_or_else(PoisonError::into_inner);
+    }
+}
+
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let what = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    let what = what.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
+    format!("the job broke off — a fault in the program ({what}) — try again, and report it if it happens twice")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::{Receiver, sync_channel};
+
+    fn outbox() -> (Outbox, Receiver<(JobId, Event)>) {
+        let (sender, receiver) = sync_channel(8);
+        (Outbox::new(sender, egui::Context::default()), receiver)
+    }
+
+    #[test]
+    fn the_latest_request_stops_the_running_one_and_replaces_the_waiting() {
+        let (outbox, events) = outbox();
+        let (started, has_started) = sync_channel(1);
+        let worker = Worker::spawn("latest", outbox, move |job, name: &'static str, cancel: &Cancel, out: &Outbox| {
+            if name == "first" {
+                started.send(()).unwrap();
+                while !cancel.is_cancelled() {
+                    std::thread::yield_now();
+                }
+            }
+            out.send(job, Event::Warning(name.to_owned()));
+        });
+        let first = worker.replace("first");
+        has_started.recv().unwrap();
+        worker.replace("second");
+        let third = worker.replace("third");
+        let got: Vec<_> = events.iter().take(2).map(|(job, event)| (job, format!("{event:?}"))).collect();
+        assert_eq!(got, [(first, "Warning(\"first\")".to_owned()), (third, "Warning(\"third\")".to_owned())]);
+    }
+
+    #[test]
+    fn a_panic_is_told_and_the_thread_goes_on() {
+        let (outbox, events) = outbox();
+        let worker = Worker::spawn("fragile", outbox, |job, broken: bool, _: &Cancel, out: &Outbox| {
+            assert!(!broken, "on purpose");
+            out.send(job, Event::Stopped);
+        });
+        worker.push(true);
+        worker.push(false);
+        assert!(matches!(events.recv().unwrap().1, Event::Failed(text) if text.contains("on purpose")));
+        assert!(matches!(events.recv().unwrap().1, Event::Stopped));
+    }
+}

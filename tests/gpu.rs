@@ -1,0 +1,117 @@
+//! Each pass against its CPU twin, on whatever device there is (a software Vulkan is enough).
+//!
+//! Without any device the tests say so and pass; with `PLENOSCOPE_NEED_GPU` set they fail.
+
+#![cfg(feature = "ui")]
+
+mod common;
+
+use common::{Approx, two_planes};
+use plenoscope::field::{EpiLine, FNumber, FocalPlane, Lens, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
+use plenoscope::render::gpu::{Draw, FieldTexture, Gpu, Target};
+use plenoscope::render::{Picture, cpu};
+
+const SIZE: [u32; 2] = [45, 31];
+
+fn gpu(max_layers: u32) -> Option<Gpu> {
+    let instance = wgpu::Instance::default();
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default()));
+    let Ok(adapter) = adapter else {
+        assert!(std::env::var_os("PLENOSCOPE_NEED_GPU").is_none(), "no device, and PLENOSCOPE_NEED_GPU is set");
+        eprintln!("SKIPPED: no device here; install a Vulkan driver (mesa-vulkan-drivers) to check the shaders");
+        return None;
+    };
+    let mut limits = wgpu::Limits::default();
+    limits.max_texture_array_layers = max_layers;
+    let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("the device opens");
+    Some(Gpu::new(&device, &queue, true))
+}
+
+/// Draws a picture on the device and reads it back.
+fn drawn(gpu: &Gpu, field: &FieldTexture, draw: Draw) -> Picture {
+    let size = draw.size(field.grid(), field.size());
+    let mut target = Target::new(gpu, size);
+    assert!(target.update(gpu, field, draw), "it is drawn the first time");
+    assert!(!target.update(gpu, field, draw), "and not again");
+    let row_bytes = (size[0] * 16).next_multiple_of(256);
+    let buffer = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row_bytes * size[1]),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu.device().create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        target.linear_texture().as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
+        },
+        target.linear_texture().size(),
+    );
+    gpu.queue().submit([encoder.finish()]);
+    buffer.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("the buffer maps"));
+    gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
+    let bytes = buffer.slice(..).get_mapped_range().expect("mapped").to_vec();
+    let row = |y: u32| &bytes[(y * row_bytes) as usize..][..size[0] as usize * 16];
+    let values: Vec<f32> = (0..size[1]).flat_map(|y| bytemuck::pod_collect_to_vec::<u8, f32>(row(y))).collect();
+    Picture { size, rgb_linear: values.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect() }
+}
+
+fn compare(gpu: &Gpu, field: &FieldTexture, what: &str, draw: Draw, want: &Picture) {
+    let got = drawn(gpu, field, draw);
+    assert_eq!(got.size, want.size, "{what}");
+    Approx::Close.check(what, &got.rgb_linear, &want.rgb_linear);
+}
+
+fn check_all(gpu: &Gpu, grid: ViewGrid) {
+    let (field, depths) = two_planes(grid, SIZE);
+    let texture = FieldTexture::whole(gpu, &field, Some(&depths)).expect("small views fit");
+    for (f, disparity, keep) in [(28.0, 0.0, 0.0), (3.5, 0.37, 0.0), (5.0, -0.4, 0.6)] {
+        let focus = FocalPlane { disparity_px: disparity, tilt_px: [0.2, -0.1] };
+        let lens = Lens { f_number: FNumber(f), focus, keep_sharp_px: [-keep, keep], ..Lens::default() };
+        let center = ViewPoint(ViewOffset { dv: 0.25, du: -0.5 });
+        let want = cpu::refocus_with_depths(&field, Some(&depths), &lens, center);
+        compare(gpu, &texture, "refocus", Draw::Refocus { lens, center, is_draft: false }, &want);
+    }
+    for (dv, du) in [(0.0, 0.0), (-1.3, 0.6)] {
+        let point = ViewPoint(ViewOffset { dv, du });
+        compare(gpu, &texture, "view", Draw::View(point), &cpu::view_with_depths(&field, Some(&depths), point));
+    }
+    for line in [EpiLine::Row { y: 12, v: 1 }, EpiLine::Column { x: 30, u: 2 }] {
+        compare(gpu, &texture, "epi", Draw::Epi { line, scale: 3 }, &cpu::epi(&field, line, 3));
+    }
+    let view = ViewIndex { v: 1, u: 2 };
+    for map in cpu::Colormap::ALL {
+        let want = cpu::depth(&depths, view, [-0.5, 1.0], map);
+        compare(gpu, &texture, "depth", Draw::Depth { view, range: [-0.5, 1.0], map }, &want);
+    }
+}
+
+#[test]
+fn passes_match_their_twins() {
+    if let Some(gpu) = gpu(256) {
+        check_all(&gpu, ViewGrid::PAPER);
+    }
+}
+
+#[test]
+fn a_grid_of_more_views_than_layers_is_split() {
+    if let Some(gpu) = gpu(256) {
+        check_all(&gpu, ViewGrid::new(17, 17).expect("the largest grid"));
+    }
+}
+
+#[test]
+fn a_picture_is_right_while_views_arrive() {
+    let Some(gpu) = gpu(256) else { return };
+    let (field, _) = two_planes(ViewGrid::PAPER, SIZE);
+    let mut texture = FieldTexture::new(&gpu, field.grid(), field.size()).expect("small views fit");
+    let reference = field.grid().reference();
+    texture.push_view(reference, field.reference());
+    assert!(!texture.upload_some(&gpu, plenoscope::render::gpu::Budget::default()));
+    let draw = Draw::Refocus { lens: Lens::default(), center: ViewPoint::default(), is_draft: false };
+    // One view has arrived, so the widest lens shows that view at its full light.
+    compare(&gpu, &texture, "one view", draw, &cpu::view(&field, ViewPoint::default()));
+}
