@@ -2,18 +2,45 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use plenoscope::field::{FNumber, LensShape};
+use plenoscope::render::cpu::Colormap;
+
+use crate::values::{self, Pair, PictureSize, Range};
 
 /// Turns a photo into a light field, to look into and to refocus.
 #[derive(Debug, Parser)]
 #[command(name = "plenoscope", version, max_term_width = 100, disable_help_subcommand = false)]
 #[command(after_help = "Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.")]
 pub struct Cli {
+    /// Photos and light fields to open in the window
+    #[arg(value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub window: Window,
     #[command(flatten)]
     pub talk: Talk,
     #[command(subcommand)]
     pub command: Option<Command>,
+}
+
+/// What the window starts with.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Window")]
+pub struct Window {
+    /// Long side of a view, in pixels; by default what the settings say
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub long_side: Option<u32>,
+    /// Take the nets from this folder instead of those in the program
+    #[arg(long, value_name = "DIR")]
+    pub models: Option<PathBuf>,
+    /// Threads that compute; 0 is one for each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Do not open the file of the last time
+    #[arg(long)]
+    pub fresh: bool,
 }
 
 /// How much the program says.
@@ -30,8 +57,22 @@ pub struct Talk {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Make a light field of a photo
+    Synth(Synth),
+    /// Write a refocused picture
+    Refocus(Refocus),
+    /// Write the view from a place of the lens
+    View(View),
+    /// Write an epipolar slice
+    Epi(Epi),
+    /// Write the ray depths of a view
+    Depth(Depth),
+    /// Write a light field in another format, or what is made of it
+    Export(Export),
     /// What a file is: format, size, views, depth that came with it
     Info(Info),
+    /// Write the built-in sample photo and its disparity
+    Sample(Sample),
     /// Print the completions for a shell
     Completions {
         /// The shell
@@ -53,4 +94,257 @@ pub struct Info {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `sample`.
+#[derive(Debug, Args)]
+pub struct Sample {
+    /// Folder for sample.png and sample.pfm
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+/// Arguments of whatever needs a light field, for when a photo comes in.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "From photo to light field")]
+pub struct SynthArgs {
+    /// Long side of a view, in pixels; a smaller photo is not enlarged
+    #[arg(long, value_name = "N", default_value_t = 540, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub long_side: u32,
+    /// Use this ray depth for the reference view instead of a net's (PFM, pixels per view step at its own width)
+    #[arg(long, value_name = "FILE.pfm")]
+    pub disparity: Option<PathBuf>,
+    /// Where the ray depth comes from: network, phone, fused, or the name of a relative-depth model
+    #[arg(long, value_name = "SOURCE", default_value = "network", conflicts_with = "disparity")]
+    pub source: String,
+    /// Take the nets from this folder instead of those in the program
+    #[arg(long, value_name = "DIR")]
+    pub models: Option<PathBuf>,
+    /// Threads that compute; 0 is one for each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Leave the occlusion net out
+    #[arg(long)]
+    pub lambertian: bool,
+    /// Neither look for a kept light field nor keep this one
+    #[arg(long)]
+    pub no_cache: bool,
+}
+
+/// Arguments of `refocus`.
+#[derive(Debug, Args)]
+pub struct Refocus {
+    /// A photo or a light field
+    pub input: PathBuf,
+    /// The picture to write (PNG, JPEG, TIFF or WebP, by its ending)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub lens: LensArgs,
+    /// photo, light-field, or WxH; by default that of the photo, of a light field that of its views
+    #[arg(long, value_name = "SIZE")]
+    pub size: Option<PictureSize>,
+    /// Quality of a JPEG, 1 to 100
+    #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u8).range(1..=100))]
+    pub quality: Option<u8>,
+    /// Bits of a channel, 8 or 16 (PNG and TIFF); by default those of the photo
+    #[arg(long, value_name = "N", value_parser = values::bits)]
+    pub bits: Option<u8>,
+    /// Leave EXIF and XMP out; the colour profile stays
+    #[arg(long)]
+    pub strip_metadata: bool,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+    /// Write even over the input
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What a person turns on the lens.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Lens")]
+pub struct LensArgs {
+    /// From 28 (the photo as it is) to 1; by default 3.5
+    #[arg(long, value_name = "N", value_parser = values::f_number)]
+    pub f_number: Option<FNumber>,
+    /// A pixel of the upright photo that is to be sharp
+    #[arg(long, value_name = "X,Y", conflicts_with = "focus_disparity", allow_hyphen_values = true)]
+    pub focus: Option<Pair>,
+    /// The disparity that is to be sharp, in pixels per view step; by default 0
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number)]
+    pub focus_disparity: Option<f32>,
+    /// Shape of the opening: disc, square, blades:5 … blades:9, ring or cat-eye; by default disc
+    #[arg(long, value_name = "SHAPE", value_parser = values::lens_shape)]
+    pub lens: Option<LensShape>,
+    /// Disparities that stay sharp, from far to near
+    #[arg(long, value_name = "D0..D1", allow_hyphen_values = true)]
+    pub keep_sharp: Option<Range>,
+    /// By how much the sharp disparity grows from left to right and from top to bottom
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub tilt: Option<Pair>,
+    /// How much clipped lights are brightened before they are blurred, 0 to 1; by default 0
+    #[arg(long, value_name = "N", value_parser = values::share)]
+    pub highlights: Option<f32>,
+    /// How much of the photo's grain is put back into blurred parts, 0 to 1; by default 0
+    #[arg(long, value_name = "N", value_parser = values::share)]
+    pub grain: Option<f32>,
+}
+
+/// Arguments of `view`.
+#[derive(Debug, Args)]
+pub struct View {
+    /// A photo or a light field
+    pub input: PathBuf,
+    /// The picture to write (PNG, JPEG, TIFF or WebP, by its ending)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Steps from the reference view, fractions allowed: u to the right, v down
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
+    pub at: Pair,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+    /// Write even over the input
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `epi`.
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("line").required(true))]
+pub struct Epi {
+    /// A photo or a light field
+    pub input: PathBuf,
+    /// The picture to write
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Row of the views that is cut; u goes down the picture
+    #[arg(long, value_name = "Y", group = "line")]
+    pub row: Option<u32>,
+    /// Column of the views that is cut; v goes down the picture
+    #[arg(long, value_name = "X", group = "line")]
+    pub column: Option<u32>,
+    /// Rows of the picture for each view
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub scale: u32,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+    /// Write even over the input
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `depth`.
+#[derive(Debug, Args)]
+pub struct Depth {
+    /// A photo or a light field
+    pub input: PathBuf,
+    /// The map to write: .pfm (float), .png (16 bits, or colours with --colormap)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The view, row and column; the reference view if not named
+    #[arg(long, value_name = "V,U")]
+    pub view: Option<Pair>,
+    /// Write colours
+    #[arg(long, value_name = "MAP")]
+    pub colormap: Option<Colors>,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+    /// Write even over the input
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `synth`.
+#[derive(Debug, Args)]
+pub struct Synth {
+    /// The photo
+    pub photo: PathBuf,
+    /// Folder for the light field
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// How it is written
+    #[arg(long, value_enum, default_value_t = FieldFormat::Views)]
+    pub format: FieldFormat,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+}
+
+/// A format that holds a whole light field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FieldFormat {
+    /// A folder of view_V_U.png, disparity_V_U.pfm and lightfield.json
+    Views,
+    /// A folder as of the HCI 4-D benchmark, with the ray depths of all views
+    Hci,
+    /// One Lytro-style lenslet picture
+    Eslf,
+    /// A folder with the names of the Stanford archive
+    Stanford,
+    /// One Looking Glass quilt
+    Quilt,
+}
+
+/// Arguments of `export`.
+#[derive(Debug, Args)]
+pub struct Export {
+    /// A photo or a light field
+    pub input: PathBuf,
+    /// The file or folder to write
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// What to write
+    #[arg(long = "as", value_enum, value_name = "KIND")]
+    pub kind: ExportKind,
+    /// Distance of the eyes of anaglyph and side-by-side, in view steps
+    #[arg(long, value_name = "STEPS", default_value_t = 6.0, value_parser = values::eyes_apart)]
+    pub eyes_apart: f32,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+    /// Write even over the input
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// What a light field can become.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExportKind {
+    /// A folder of view_V_U.png, disparity_V_U.pfm and lightfield.json
+    Views,
+    /// A folder as of the HCI 4-D benchmark, with the ray depths of all views
+    Hci,
+    /// One Lytro-style lenslet picture
+    Eslf,
+    /// A folder with the names of the Stanford archive
+    Stanford,
+    /// One Looking Glass quilt
+    Quilt,
+    /// A picture for red-cyan glasses
+    Anaglyph,
+    /// Both eyes beside each other
+    SideBySide,
+    /// A point cloud
+    Ply,
+    /// A JPEG with the ray depth inside, as phones write it
+    Gdepth,
+}
+
+/// Colours of a depth map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Colors {
+    /// Blue far, red near
+    Turbo,
+    /// Readable for colour-blind people
+    Viridis,
+    /// White near
+    Gray,
+}
+
+impl From<Colors> for Colormap {
+    fn from(colors: Colors) -> Self {
+        match colors {
+            Colors::Turbo => Self::Turbo,
+            Colors::Viridis => Self::Viridis,
+            Colors::Gray => Self::Gray,
+        }
+    }
 }

@@ -34,4 +34,4 @@ pub use manifest::{
 };
 pub use params::{DepthSource, SynthParams, Synthesis};
 pub use picture::{Signed, reference_view};
-pub use pipeline::Synthesizer;
+pub use pipeline::{Synthesizer, synthesize_from_map};

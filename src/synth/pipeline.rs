@@ -120,6 +120,30 @@ impl Synthesizer {
     }
 }
 
+/// Makes a light field of a photo whose ray depth is known: Lambertian views on the paper's grid, without any net.
+///
+/// # Errors
+/// [`SynthError`]; never [`SynthError::Model`].
+pub fn synthesize_from_map(
+    photo: &Photo,
+    map: &DisparityMap,
+    params: &SynthParams,
+    job: &Job,
+) -> Result<Synthesis, SynthError> {
+    let started = Instant::now();
+    memory::check(fit_long_side(photo.size(), params.long_side.max(1)), ViewGrid::PAPER)?;
+    let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
+    let (field, depths) = pool.install(|| -> Result<_, SynthError> {
+        job.advance(Stage::Depth, 0, 1)?;
+        let reference = Arc::new(reference_view(photo, params.long_side.max(1))?);
+        let depths = Arc::new(lift::lifted(&at_size(map, reference.size()), ViewGrid::PAPER, job)?);
+        job.sink.depths(&depths);
+        let views = lambertian_views(&reference, &Signed::from_view(&reference), &depths, job)?;
+        Ok((Arc::new(LightField::new(ViewGrid::PAPER, views)?), depths))
+    })?;
+    Ok(Synthesis { field, depths, models: Vec::new(), took: started.elapsed() })
+}
+
 /// The net's own maps at the size of the views; the reference view's is the refined one.
 fn all_maps(net: &NetDepths, refined: DisparityMap) -> Result<RayDepths, SynthError> {
     let target = refined.size.map(|side| side as usize);

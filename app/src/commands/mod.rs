@@ -1,12 +1,27 @@
 //! One file for each command; here is which argument goes where.
 
+mod depth;
+mod epi;
+mod export;
 mod info;
+mod input;
+mod lens_args;
+mod light_field;
+mod output;
 mod pages;
+mod refocus;
+mod sample;
+mod synth;
+mod view;
+
+use std::path::PathBuf;
 
 use anyhow::Result;
 use plenoscope::job::Job;
+use plenoscope::synth::ModelSource;
+use plenoscope::ui;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, Window};
 
 /// Arguments that do not go together, found after parsing: exit code 2.
 #[derive(Debug)]
@@ -22,10 +37,30 @@ impl std::error::Error for Usage {}
 
 /// Does what was asked for.
 pub fn run(cli: Cli, job: Job) -> Result<()> {
+    if cli.command.is_some() && !cli.files.is_empty() {
+        let text =
+            format!("a command comes first — {} stands before it — see plenoscope --help", cli.files[0].display());
+        return Err(Usage(text).into());
+    }
     match cli.command {
+        Some(Command::Synth(args)) => synth::run(&args, &job),
+        Some(Command::Refocus(args)) => refocus::run(&args, &job),
+        Some(Command::View(args)) => view::run(&args, &job),
+        Some(Command::Epi(args)) => epi::run(&args, &job),
+        Some(Command::Depth(args)) => depth::run(&args, &job),
+        Some(Command::Export(args)) => export::run(&args, &job),
         Some(Command::Info(args)) => info::run(&args, &job),
+        Some(Command::Sample(args)) => sample::run(&args, &job),
         Some(Command::Completions { shell }) => pages::completions(shell),
         Some(Command::Man { output }) => pages::man(output.as_deref()),
-        None => Err(Usage("a command is missing — see plenoscope --help".to_owned()).into()),
+        None => window(cli.files, cli.window),
     }
+}
+
+/// Opens the window and stays until it is closed.
+fn window(files: Vec<PathBuf>, args: Window) -> Result<()> {
+    let models = args.models.map_or(ModelSource::Embedded, ModelSource::Folder);
+    let restores_last = files.is_empty() && !args.fresh;
+    let (long_side, threads) = (args.long_side, args.threads.into());
+    Ok(ui::run(ui::Options { files, models, long_side, threads, restores_last })?)
 }

@@ -1,0 +1,104 @@
+//! What a command works on: a light field, made on the way where a photo comes in.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::Result;
+use plenoscope::field::{DisparityMap, LightField, Photo, RayDepths};
+use plenoscope::io::formats::pfm;
+use plenoscope::io::{self, EmbeddedDepth, LightFieldFile, Opened, PhotoFile};
+use plenoscope::job::Job;
+use plenoscope::synth::{
+    DepthSource, ModelSource, ModelTag, SynthParams, Synthesizer, lift, sweep, synthesize_from_map,
+};
+
+use crate::cli::SynthArgs;
+
+/// A light field and what it was made from.
+pub struct Scene {
+    pub field: Arc<LightField>,
+    pub depths: Option<Arc<RayDepths>>,
+    pub photo: Option<Arc<Photo>>,
+    pub models: Vec<ModelTag>,
+}
+
+impl Scene {
+    /// A light field as it was in its files.
+    pub fn from_file(file: LightFieldFile) -> Self {
+        let lifted = || {
+            let map = file.reference_disparity.as_ref().filter(|map| map.size == file.field.size())?;
+            Some(Arc::new(lift::ray_depths(map, file.field.grid())))
+        };
+        let depths = file.depths.clone().or_else(lifted);
+        Self { field: file.field, depths, photo: None, models: Vec::new() }
+    }
+
+    /// The ray depths; a light field that came without gets them by plane sweep over its views.
+    pub fn depths(&self, job: &Job) -> Result<Arc<RayDepths>> {
+        match &self.depths {
+            Some(depths) => Ok(Arc::clone(depths)),
+            None => Ok(Arc::new(sweep::ray_depths(&self.field, job)?)),
+        }
+    }
+}
+
+/// Opens a file and passes its warnings on.
+pub fn open(path: &Path, job: &Job) -> Result<Opened> {
+    let opened = io::open(path, job)?;
+    for warning in &opened.info().warnings {
+        job.sink.warning(warning.clone());
+    }
+    Ok(opened)
+}
+
+/// Opens a photo or a light field, and makes a light field of a photo.
+pub fn scene(path: &Path, args: &SynthArgs, job: &Job) -> Result<Scene> {
+    match open(path, job)? {
+        Opened::Photo(file) => from_photo(&file, args, job),
+        Opened::LightField(file) => Ok(Scene::from_file(*file)),
+    }
+}
+
+/// Makes a light field of a photo.
+pub fn from_photo(file: &PhotoFile, args: &SynthArgs, job: &Job) -> Result<Scene> {
+    let params = params(args, file.depth.as_ref())?;
+    let made = match &params.disparity {
+        Some(map) if args.lambertian => synthesize_from_map(&file.photo, map, &params, job)?,
+        _ => Synthesizer::load(&model_source(args))?.synthesize(&file.photo, &params, job)?,
+    };
+    log::info!("light field of {:?} in {:.2} s", made.field.size(), made.took.as_secs_f32());
+    let photo = Some(Arc::clone(&file.photo));
+    Ok(Scene { field: made.field, depths: Some(made.depths), photo, models: made.models })
+}
+
+/// The parameters that the arguments name.
+fn params(args: &SynthArgs, phone: Option<&EmbeddedDepth>) -> Result<SynthParams> {
+    Ok(SynthParams {
+        long_side: args.long_side,
+        occlusion: !args.lambertian,
+        threads: args.threads.into(),
+        disparity: disparity(args)?.map(Arc::new),
+        source: match args.source.as_str() {
+            "network" => DepthSource::Network,
+            "phone" => DepthSource::Phone,
+            "fused" => DepthSource::Fused,
+            model => DepthSource::Model(model.to_owned()),
+        },
+        phone: phone.map(|depth| Arc::new(depth.disparity(phone_range_px(depth)))),
+    })
+}
+
+/// The map that `--disparity` names.
+pub fn disparity(args: &SynthArgs) -> Result<Option<DisparityMap>> {
+    Ok(args.disparity.as_deref().map(pfm::read_pfm).transpose()?)
+}
+
+/// The folder of `--models`, or the nets in the program.
+pub fn model_source(args: &SynthArgs) -> ModelSource {
+    args.models.clone().map_or(ModelSource::Embedded, ModelSource::Folder)
+}
+
+/// A phone's depth has no scale of its own: it is spread as a net spreads a photo, at the map's width.
+fn phone_range_px(depth: &EmbeddedDepth) -> [f32; 2] {
+    [-1.0, 1.0].map(|at_540: f32| at_540 * depth.size[0] as f32 / 540.0)
+}

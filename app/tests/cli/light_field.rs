@@ -1,0 +1,150 @@
+//! From a photo to a light field and what is made of it, with the real program. The depth is known here (the sample's
+//! own), so that no net runs; `nets.rs` runs them.
+
+use std::fs;
+
+use crate::common::{Scratch, plenoscope};
+use image::GenericImageView;
+use predicates::prelude::*;
+use predicates::str::{contains, starts_with};
+
+/// The sample photo and its disparity in a scratch folder.
+fn sample() -> Scratch {
+    let dir = Scratch::new();
+    plenoscope(&["sample", "-o", &dir.arg("")]).assert().success().stdout("").stderr("");
+    dir
+}
+
+/// Runs a command on the sample, with its own disparity and small views.
+fn on_sample(dir: &Scratch, command: &str, rest: &[&str]) -> assert_cmd::assert::Assert {
+    let (photo, map) = (dir.arg("sample.png"), dir.arg("sample.pfm"));
+    let known = ["--disparity", &map, "--lambertian", "--long-side", "120"];
+    plenoscope(&[&[command, &photo], &known[..], rest].concat()).assert()
+}
+
+#[test]
+fn synth_writes_views_and_ray_depths() {
+    let dir = sample();
+    on_sample(&dir, "synth", &["-o", &dir.arg("field")]).success().stdout("").stderr("");
+    for name in ["view_0_0.png", "view_4_4.png", "view_7_7.png", "disparity_0_7.pfm", "lightfield.json"] {
+        assert!(dir.path("field").join(name).exists(), "{name}");
+    }
+    let said = json(&["info", "--json", &dir.arg("field")]);
+    assert_eq!(said["kind"], "light field");
+    assert_eq!(said["size"], serde_json::json!([120, 80]));
+    assert_eq!(said["views"], serde_json::json!([8, 8]));
+    let index: serde_json::Value =
+        serde_json::from_slice(&fs::read(dir.path("field/lightfield.json")).unwrap()).unwrap();
+    assert_eq!(index["reference_view"], serde_json::json!([4, 4]));
+    assert_eq!(index["size_xy"], serde_json::json!([120, 80]));
+}
+
+#[test]
+fn every_format_is_written_and_read_back() {
+    let dir = sample();
+    for (format, out) in [("views", "v"), ("hci", "h"), ("stanford", "s"), ("eslf", "e/lf_eslf.png"), ("quilt", "q")] {
+        on_sample(&dir, "synth", &["--format", format, "-o", &dir.arg(out)]).success();
+        let written = if format == "quilt" { first_file(&dir.path(out)) } else { dir.arg(out) };
+        let said = json(&["info", "--json", &written]);
+        assert_eq!(said["kind"], "light field", "{format}");
+    }
+}
+
+#[test]
+fn view_epi_and_depth_have_the_light_fields_size() {
+    let dir = sample();
+    on_sample(&dir, "synth", &["-o", &dir.arg("field")]).success();
+    let field = dir.arg("field");
+    let made = |args: &[&str], name: &str| {
+        plenoscope(&[args, &["-o", &dir.arg(name)]].concat()).assert().success().stdout("").stderr("");
+        image::open(dir.path(name)).unwrap()
+    };
+    assert_eq!(made(&["view", &field, "--at", "-1.5,2"], "view.png").dimensions(), (120, 80));
+    assert_eq!(made(&["epi", &field, "--row", "40", "--scale", "3"], "row.png").dimensions(), (120, 24));
+    assert_eq!(made(&["epi", &field, "--column", "60", "--scale", "2"], "column.png").dimensions(), (80, 16));
+    assert_eq!(made(&["depth", &field, "--colormap", "turbo"], "turbo.png").dimensions(), (120, 80));
+    let gray = made(&["depth", &field, "--view", "0,7"], "gray.png");
+    assert_eq!(gray.color(), image::ColorType::L16);
+    plenoscope(&["depth", &field, "-o", &dir.arg("depth.pfm")]).assert().success();
+    assert!(fs::read(dir.path("depth.pfm")).unwrap().starts_with(b"Pf\n120 80\n"));
+}
+
+#[test]
+fn the_reference_view_is_the_view_at_zero() {
+    let dir = sample();
+    on_sample(&dir, "synth", &["-o", &dir.arg("field")]).success();
+    plenoscope(&["view", &dir.arg("field"), "--at", "0,0", "-o", &dir.arg("zero.png")]).assert().success();
+    let pixels = |name: &str| image::open(dir.path(name)).unwrap().to_rgb8().into_raw();
+    assert_eq!(pixels("zero.png"), pixels("field/view_4_4.png"));
+}
+
+#[test]
+fn the_exports_are_made() {
+    let dir = sample();
+    for (kind, name) in
+        [("anaglyph", "a.png"), ("side-by-side", "s.png"), ("ply", "p.ply"), ("gdepth", "g.jpg"), ("views", "v")]
+    {
+        on_sample(&dir, "export", &["--as", kind, "-o", &dir.arg(name)]).success();
+        assert!(dir.path(name).exists(), "{kind}");
+    }
+    assert_eq!(image::open(dir.path("s.png")).unwrap().dimensions(), (240, 80));
+    assert!(json(&["info", "--json", &dir.arg("g.jpg")])["embedded_depth"].is_object());
+}
+
+#[test]
+fn the_input_is_not_written_over() {
+    let dir = sample();
+    let before = fs::read(dir.path("sample.png")).unwrap();
+    let refused = starts_with("error: ").and(contains("--force"));
+    on_sample(&dir, "view", &["--at", "0,0", "-o", &dir.arg("sample.png")]).code(1).stderr(refused);
+    assert_eq!(fs::read(dir.path("sample.png")).unwrap(), before);
+    on_sample(&dir, "view", &["--at", "0,0", "--force", "-o", &dir.arg("sample.png")]).success();
+    assert_ne!(fs::read(dir.path("sample.png")).unwrap(), before);
+}
+
+#[test]
+fn what_cannot_be_is_wrong_usage() {
+    let dir = sample();
+    let out = dir.arg("out.png");
+    on_sample(&dir, "epi", &["-o", &out]).code(2);
+    on_sample(&dir, "epi", &["--row", "80", "-o", &out]).code(2).stderr(contains("0 to 79"));
+    on_sample(&dir, "depth", &["--view", "8,0", "-o", &out]).code(2);
+    on_sample(&dir, "depth", &["--colormap", "turbo", "-o", &dir.arg("out.pfm")]).code(2);
+    on_sample(&dir, "view", &["--at", "left", "-o", &out]).code(2);
+    assert!(!dir.path("out.png").exists());
+}
+
+#[test]
+fn a_target_that_cannot_be_is_one_line() {
+    let dir = sample();
+    let no_panic = contains("panicked").not();
+    let one_line = || starts_with("error: ").and(contains(" — ")).and(contains("panicked").not());
+    on_sample(&dir, "view", &["--at", "0,0", "-o", &dir.arg("away/out.png")]).code(1).stderr(one_line());
+    on_sample(&dir, "view", &["--at", "0,0", "-o", &dir.arg("out.xyz")]).code(1).stderr(one_line());
+    fs::create_dir(dir.path("folder.png")).unwrap();
+    on_sample(&dir, "view", &["--at", "0,0", "-o", &dir.arg("folder.png")]).code(1).stderr(no_panic);
+    // A file where a folder is needed fails for every user, root too.
+    fs::write(dir.path("file"), b"in the way").unwrap();
+    on_sample(&dir, "synth", &["-o", &dir.arg("file/field")]).code(1).stderr(one_line());
+    assert_eq!(fs::read(dir.path("file")).unwrap(), b"in the way");
+}
+
+#[test]
+fn a_map_that_is_no_map_is_one_line() {
+    let dir = sample();
+    fs::write(dir.path("sample.pfm"), b"Pf\n1200 800\n-1.0\ntoo short").unwrap();
+    on_sample(&dir, "synth", &["-o", &dir.arg("field")])
+        .code(1)
+        .stderr(starts_with("error: ").and(contains("sample.pfm")));
+    assert!(!dir.path("field").exists());
+}
+
+fn json(args: &[&str]) -> serde_json::Value {
+    let out = plenoscope(args).assert().success();
+    serde_json::from_slice(&out.get_output().stdout).unwrap()
+}
+
+fn first_file(folder: &std::path::Path) -> String {
+    let entry = fs::read_dir(folder).unwrap().next().unwrap().unwrap();
+    entry.path().to_string_lossy().into_owned()
+}

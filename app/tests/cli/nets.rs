@@ -1,0 +1,83 @@
+//! The nets that ship, run by the real program; and what it says when they are away or not what their manifests say.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::{Scratch, plenoscope};
+use predicates::prelude::*;
+use predicates::str::{contains, starts_with};
+
+fn models() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../models")
+}
+
+/// Whether the repository holds models at all; says so where it does not.
+fn have_models() -> bool {
+    let there = models().join("models.toml").exists();
+    if !there {
+        eprintln!("SKIPPED: the repository has no models yet");
+    }
+    there
+}
+
+#[test]
+fn a_photo_becomes_a_light_field_with_the_nets_in_the_program() {
+    if !have_models() {
+        return;
+    }
+    let dir = Scratch::new();
+    let photo = dir.photo("photo.jpg", 160, 120);
+    plenoscope(&["synth", &photo, "--long-side", "96", "-o", &dir.arg("field")]).assert().success().stdout("");
+    let index: serde_json::Value =
+        serde_json::from_slice(&fs::read(dir.path("field/lightfield.json")).unwrap()).unwrap();
+    assert_eq!(index["size_xy"], serde_json::json!([96, 72]));
+    assert!(!index["models"].as_array().unwrap().is_empty(), "{index}");
+}
+
+#[test]
+fn a_folder_without_models_is_one_line() {
+    let dir = Scratch::new();
+    let photo = dir.photo("photo.png", 64, 48);
+    let said = starts_with("error: ").and(contains("models.toml")).and(contains("panicked").not());
+    plenoscope(&["synth", &photo, "--models", &dir.arg("none"), "-o", &dir.arg("field")]).assert().code(1).stderr(said);
+    assert!(!dir.path("field").exists());
+}
+
+#[test]
+fn a_model_that_was_tampered_with_is_refused() {
+    if !have_models() {
+        return;
+    }
+    let dir = Scratch::new();
+    let photo = dir.photo("photo.png", 64, 48);
+    let copy = dir.path("models");
+    copy_folder(&models(), &copy);
+    let nets: Vec<PathBuf> =
+        all_files(&copy).into_iter().filter(|path| path.extension().is_some_and(|e| e == "onnx")).collect();
+    assert!(!nets.is_empty());
+    for path in nets {
+        let mut bytes = fs::read(&path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        fs::write(&path, bytes).unwrap();
+    }
+    let said = starts_with("error: ").and(contains("checksum")).and(contains("panicked").not());
+    plenoscope(&["synth", &photo, "--models", &dir.arg("models"), "-o", &dir.arg("field")])
+        .assert()
+        .code(1)
+        .stderr(said);
+    assert!(!dir.path("field").exists());
+}
+
+fn all_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| if path.is_dir() { all_files(&path) } else { vec![path] }).collect()
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    for file in all_files(from) {
+        let target = to.join(file.strip_prefix(from).unwrap());
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        fs::copy(&file, target).unwrap();
+    }
+}
