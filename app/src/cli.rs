@@ -126,9 +126,6 @@ pub struct SynthArgs {
     /// Leave the occlusion net out
     #[arg(long)]
     pub lambertian: bool,
-    /// Neither look for a kept light field nor keep this one
-    #[arg(long)]
-    pub no_cache: bool,
 }
 
 /// Arguments of `refocus`.

@@ -45,6 +45,7 @@ impl Scene {
 /// Opens a file and passes its warnings on.
 pub fn open(path: &Path, job: &Job) -> Result<Opened> {
     let opened = io::open(path, job)?;
+    log::info!("opened {}", path.display());
     for warning in &opened.info().warnings {
         job.sink.warning(warning.clone());
     }

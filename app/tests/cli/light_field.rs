@@ -139,6 +139,28 @@ fn a_map_that_is_no_map_is_one_line() {
     assert!(!dir.path("field").exists());
 }
 
+/// What Ctrl-C sends.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_stops_the_job_and_leaves_nothing() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+
+    let dir = sample();
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("plenoscope"));
+    command.args(["-v", "synth", &dir.arg("sample.png"), "--disparity", &dir.arg("sample.pfm"), "--lambertian"]);
+    command.args(["--long-side", "1200", "-o", &dir.arg("field")]).stderr(Stdio::piped());
+    let mut program = command.spawn().unwrap();
+    let mut said = BufReader::new(program.stderr.take().unwrap()).lines();
+    assert!(said.next().unwrap().unwrap().contains("opened"));
+    assert!(Command::new("kill").args(["-INT", &program.id().to_string()]).status().unwrap().success());
+    assert_eq!(program.wait().unwrap().code(), Some(130));
+    assert_eq!(said.filter(|line| line.as_ref().is_ok_and(|line| line.contains("error"))).count(), 0);
+    let mut left: Vec<_> = fs::read_dir(dir.path("")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["sample.pfm", "sample.png"]);
+}
+
 fn json(args: &[&str]) -> serde_json::Value {
     let out = plenoscope(args).assert().success();
     serde_json::from_slice(&out.get_output().stdout).unwrap()
