@@ -97,6 +97,36 @@ pub(super) unsafe fn run<V: Vector>(tile: &Tile) {
 unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &Tile, first: usize) {
     // SAFETY: the caller's word.
     unsafe {
+        let sums = accumulate::<V, OC, N>(tile, first);
+        // A copy: the loops of the epilogue are not unrolled, so what they index lives in memory. The sums must not.
+        let mut results = [[V::splat(0.0); N]; OC];
+        for (results, sums) in results.iter_mut().zip(&sums) {
+            for n in 0..N {
+                results[n] = sums[n];
+            }
+        }
+        for (o, results) in results.iter().enumerate().take(tile.channels_out - first) {
+            for (n, &sum) in results.iter().enumerate() {
+                let value = match tile.activation {
+                    Activation::None => sum,
+                    Activation::Elu => elu(sum),
+                    Activation::Tanh { scale } => tanh(sum).mul(V::splat(scale)),
+                };
+                let out = tile.out.add((first + o) * tile.out_step + n * tile.vector_step[1]);
+                match tile.width - (n * tile.lane_step).min(tile.width) {
+                    left if left >= V::LANES => value.store(out),
+                    left => value.store_first(out, left),
+                }
+            }
+        }
+    }
+}
+
+/// Bias + Σ over channels and taps of weight · input.
+#[inline(always)]
+unsafe fn accumulate<V: Vector, const OC: usize, const N: usize>(tile: &Tile, first: usize) -> [[V; N]; OC] {
+    // SAFETY: the caller's word.
+    unsafe {
         let mut sums = [[V::splat(0.0); N]; OC];
         for (o, sums) in sums.iter_mut().enumerate() {
             *sums = [V::splat(*tile.bias.add(first + o)); N];
@@ -119,35 +149,6 @@ unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &Tile, first
                 weights = weights.add(BLOCK);
             }
         }
-        match tile.activation {
-            Activation::None => {}
-            Activation::Elu => {
-                for sum in sums.iter_mut().flatten() {
-                    *sum = elu(*sum);
-                }
-            }
-            Activation::Tanh { scale } => {
-                for sum in sums.iter_mut().flatten() {
-                    *sum = tanh(*sum).mul(V::splat(scale));
-                }
-            }
-        }
-        write(tile, first, &sums);
-    }
-}
-
-#[inline(always)]
-unsafe fn write<V: Vector, const OC: usize, const N: usize>(tile: &Tile, first: usize, sums: &[[V; N]; OC]) {
-    for (o, sums) in sums.iter().enumerate().take(tile.channels_out - first) {
-        for (n, sum) in sums.iter().enumerate() {
-            // SAFETY: the caller's word: the channel exists, and only pixels of the row are written.
-            unsafe {
-                let out = tile.out.add((first + o) * tile.out_step + n * tile.vector_step[1]);
-                match tile.width - (n * tile.lane_step).min(tile.width) {
-                    left if left >= V::LANES => sum.store(out),
-                    left => sum.store_first(out, left),
-                }
-            }
-        }
+        sums
     }
 }
