@@ -18,6 +18,9 @@ use crate::job::{Job, Stage};
 /// Long side above which the occlusion net's residual is computed small and enlarged.
 const OCCLUSION_LONG_SIDE: u32 = 540;
 
+/// Views and the disparity of every ray.
+pub(super) type Made = (Arc<LightField>, Arc<RayDepths>);
+
 /// Makes light fields from photos. Keeps its nets warm between photos of one size.
 pub struct Synthesizer {
     source: ModelSource,
@@ -50,6 +53,16 @@ impl Synthesizer {
         depth.into_iter().chain(occlusion).collect()
     }
 
+    /// The depth net's own map of the reference view, at its working scale and in pixels of that width.
+    pub fn working_scale_depth(
+        &self,
+        reference: &View,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<DisparityMap, SynthError> {
+        Ok(self.depth.estimate(reference, params.threads, job)?.reference())
+    }
+
     /// Makes a light field. The sink hears of ray depths, then of Lambertian views from the middle outward, then of
     /// corrected ones.
     pub fn synthesize(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<Synthesis, SynthError> {
@@ -61,12 +74,7 @@ impl Synthesizer {
         Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() })
     }
 
-    fn stages(
-        &self,
-        photo: &Photo,
-        params: &SynthParams,
-        job: &Job,
-    ) -> Result<(Arc<LightField>, Arc<RayDepths>), SynthError> {
+    fn stages(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<Made, SynthError> {
         job.advance(Stage::Depth, 0, 3)?;
         let reference = Arc::new(reference_view(photo, params.long_side.max(1))?);
         job.sink.view(self.grid().reference(), &reference);

@@ -1,10 +1,256 @@
 //! Ray depths of a light field that came without: plane sweep over its views.
+//!
+//! For each disparity the views are shifted onto the reference view; where they agree, a surface is there. A small
+//! sweep finds the range, a full-size one the map, whose doubtful parts are filled along the picture's edges.
 
-use super::{SynthError, lift};
-use crate::field::{DisparityMap, LightField, RayDepths};
-use crate::job::Job;
+use rayon::prelude::*;
+
+use super::lift;
+use super::picture::Signed;
+use super::upsample::{self, LEAST};
+use crate::field::{DisparityMap, LightField, RayDepths, View, ViewOffset, fit_long_side};
+use crate::job::{Cancelled, Job, Stage};
+
+/// Long side of the sweep that finds the range.
+const COARSE_LONG_SIDE: u32 = 160;
+/// Disparities that are looked for: ± this share of the width per step (± 8 px at 540).
+const WIDEST_SHARE: f32 = 8.0 / 540.0;
+/// Long side of the sweep that finds the map.
+const FINE_LONG_SIDE: u32 = 540;
+/// Shift of the outermost view between two planes, in px.
+const PLANE_STEP_PX: f32 = 0.5;
+/// Half the side of the window over which agreement is averaged.
+const WINDOW: usize = 2;
+/// Differences of colour (mean, 0 … 1) between the worst and the best plane: from no to full certainty.
+const TELLING: [f32; 2] = [0.01, 0.05];
 
 /// The disparity of every ray of a light field, measured from its views.
-pub fn ray_depths(field: &LightField, job: &Job) -> Result<RayDepths, SynthError> {
-    Ok(lift::lifted(&DisparityMap::constant(field.size(), 0.0), field.grid(), job)?)
+///
+/// # Errors
+/// Cancelled.
+pub fn ray_depths(field: &LightField, job: &Job) -> Result<RayDepths, Cancelled> {
+    lift::lifted(&reference_map(field, job)?, field.grid(), job)
+}
+
+/// The disparity of the reference view.
+pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, Cancelled> {
+    let full = field.size();
+    let coarse = Sweep::new(field, fit_long_side(full, COARSE_LONG_SIDE));
+    let widest = WIDEST_SHARE * coarse.size[0].max(coarse.size[1]) as f32;
+    let found = coarse.run([-widest, widest], job)?;
+    let fine = Sweep::new(field, fit_long_side(full, FINE_LONG_SIDE));
+    let ratio = fine.size[0] as f32 / coarse.size[0] as f32;
+    let margin = 2.0 * coarse.step();
+    let [lo, hi] = found.range();
+    let map = fine.run([(lo - margin) * ratio, (hi + margin) * ratio], job)?;
+    Ok(map.filled(field.reference(), fine.size))
+}
+
+/// Some views of a light field at one size, with the reference view.
+struct Sweep {
+    size: [usize; 2],
+    reference: Signed,
+    others: Vec<(ViewOffset, Signed)>,
+}
+
+/// For each pixel the disparity at which the views agree best, and how telling that is, 0 … 1.
+struct Found {
+    disparity_px: Vec<f32>,
+    certain: Vec<f32>,
+}
+
+/// Four of `n` rows or columns, the outermost among them.
+fn some_of(n: usize) -> Vec<usize> {
+    let mut some = vec![0, n / 3, n - 1 - n / 3, n - 1];
+    some.sort_unstable();
+    some.dedup();
+    some
+}
+
+impl Sweep {
+    fn new(field: &LightField, size: [u32; 2]) -> Self {
+        let (grid, size) = (field.grid(), size.map(|side| side as usize));
+        let columns = some_of(grid.cols());
+        let chosen = some_of(grid.rows()).into_iter().flat_map(|v| columns.iter().map(move |u| v * grid.cols() + u));
+        let chosen: Vec<_> =
+            chosen.map(|layer| grid.view_from_layer(layer)).filter(|at| *at != grid.reference()).collect();
+        let others = chosen.par_iter().map(|at| (grid.offset(*at), Signed::resized(field.view(*at), size))).collect();
+        Self { size, reference: Signed::resized(field.reference(), size), others }
+    }
+
+    /// Disparity between two planes.
+    fn step(&self) -> f32 {
+        let reach = self.others.iter().map(|(o, _)| o.du.abs().max(o.dv.abs())).fold(1.0, f32::max);
+        PLANE_STEP_PX / reach
+    }
+
+    fn run(&self, [lo, hi]: [f32; 2], job: &Job) -> Result<Found, Cancelled> {
+        let count = ((hi - lo) / self.step()).ceil().max(2.0) as usize + 1;
+        let step = (hi - lo) / (count - 1) as f32;
+        let batch = rayon::current_num_threads().max(1);
+        let mut costs = Vec::with_capacity(count);
+        while costs.len() < count {
+            job.advance(Stage::Sweep, costs.len() as u32, count as u32)?;
+            let planes = costs.len()..(costs.len() + batch).min(count);
+            costs.par_extend(planes.into_par_iter().map(|i| self.cost(lo + step * i as f32)));
+        }
+        job.advance(Stage::Sweep, count as u32, count as u32)?;
+        Ok(self.best(&costs, lo, step))
+    }
+
+    /// How badly the views agree with the reference view at a disparity, averaged over a window.
+    fn cost(&self, d: f32) -> Vec<f32> {
+        let [w, h] = self.size;
+        let mut cost = Vec::with_capacity(w * h);
+        let mut halves = vec![[0.0f32; 4]; w];
+        for y in 0..h {
+            halves.fill([0.0; 4]);
+            let mut views = [0.0f32; 4];
+            for (offset, view) in &self.others {
+                let sides = [offset.du <= 0.0, offset.du >= 0.0, offset.dv <= 0.0, offset.dv >= 0.0].map(f32::from);
+                (0..4).for_each(|i| views[i] += sides[i]);
+                for (x, sums) in halves.iter_mut().enumerate() {
+                    // view[y, x] = reference[y + v·d, x + u·d], so the reference's pixel p is the view's p − u·d.
+                    let seen = view.tap(x as f32 - offset.du * d, y as f32 - offset.dv * d);
+                    let difference = (seen - self.reference.pixels[y * w + x]).abs().element_sum();
+                    (0..4).for_each(|i| sums[i] += sides[i] * difference);
+                }
+            }
+            // Beside an edge half of the views see something else: the half that agrees best counts.
+            let mean = |sums: &[f32; 4]| (0..4).map(|i| sums[i] / views[i].max(1.0)).fold(f32::MAX, f32::min) / 6.0;
+            cost.extend(halves.iter().map(mean));
+        }
+        averaged(&cost, self.size)
+    }
+
+    /// The plane of least cost of each pixel, between planes by a parabola.
+    fn best(&self, costs: &[Vec<f32>], lo: f32, step: f32) -> Found {
+        let of = |i: usize| {
+            let (mut at, mut worst) = (0, 0.0f32);
+            for (plane, cost) in costs.iter().enumerate() {
+                at = if cost[i] < costs[at][i] { plane } else { at };
+                worst = worst.max(cost[i]);
+            }
+            let telling = (worst - costs[at][i] - TELLING[0]) / (TELLING[1] - TELLING[0]);
+            let inside = at > 0 && at + 1 < costs.len();
+            let shift = if inside { valley(costs[at - 1][i], costs[at][i], costs[at + 1][i]) } else { 0.0 };
+            (lo + step * (at as f32 + shift), telling.clamp(LEAST, 1.0))
+        };
+        let (disparity_px, certain) = (0..self.reference.pixels.len()).into_par_iter().map(of).unzip();
+        Found { disparity_px, certain }
+    }
+}
+
+/// Where between −½ and ½ the parabola through three costs is lowest.
+fn valley(before: f32, here: f32, after: f32) -> f32 {
+    let bend = before - 2.0 * here + after;
+    if bend > 1e-9 { ((before - after) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 }
+}
+
+/// The mean over a square window, separably; windows are cut at the picture's edge.
+fn averaged(values: &[f32], [w, h]: [usize; 2]) -> Vec<f32> {
+    let window = |i: usize, n: usize| i.saturating_sub(WINDOW)..(i + WINDOW + 1).min(n);
+    let mut across = Vec::with_capacity(values.len());
+    for row in values.chunks_exact(w) {
+        across.extend((0..w).map(|x| row[window(x, w)].iter().sum::<f32>() / window(x, w).len() as f32));
+    }
+    let mut out = vec![0.0; values.len()];
+    for (y, row) in out.chunks_exact_mut(w).enumerate() {
+        let near = window(y, h);
+        for from in across[near.start * w..near.end * w].chunks_exact(w) {
+            row.iter_mut().zip(from).for_each(|(o, f)| *o += f / near.len() as f32);
+        }
+    }
+    out
+}
+
+impl Found {
+    /// Least and greatest disparity of certain pixels, a few outliers left out.
+    fn range(&self) -> [f32; 2] {
+        let sure = self.disparity_px.iter().zip(&self.certain).filter(|(_, c)| **c > 0.5).map(|(d, _)| *d);
+        let mut sorted: Vec<f32> = sure.collect();
+        sorted.sort_by(f32::total_cmp);
+        if sorted.is_empty() {
+            return [0.0, 0.0];
+        }
+        [0.005, 0.995].map(|share| sorted[((sorted.len() - 1) as f32 * share) as usize])
+    }
+
+    /// The map at the size of the reference view, doubtful parts filled from certain ones.
+    fn filled(self, guide: &View, size: [usize; 2]) -> DisparityMap {
+        let small = size.map(|side| side as u32);
+        if small == guide.size() {
+            return DisparityMap {
+                size: small,
+                disparity_px: upsample::spread(&self.disparity_px, &self.certain, guide),
+            };
+        }
+        upsample::to_guide(&DisparityMap { size: small, disparity_px: self.disparity_px }, guide)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::field::ViewGrid;
+    use crate::job::Cancel;
+    use crate::synth::lambertian;
+
+    /// A textured near square before a textured far plane, rendered exactly.
+    fn scene(grid: ViewGrid, near: f32, far: f32) -> LightField {
+        let texture = |x: f32, y: f32, k: f32| 0.5 + 0.25 * (x * 0.9 * k).sin() + 0.25 * (y * 0.7 + x * 0.3 * k).cos();
+        let view = |at| {
+            let o = grid.offset(at);
+            let pixel = |i: usize| {
+                let (x, y) = ((i % 72) as f32, (i / 72) as f32);
+                let (nx, ny) = (x + o.du * near, y + o.dv * near);
+                let inside = (24.0..48.0).contains(&nx) && (18.0..36.0).contains(&ny);
+                let value = if inside { texture(nx, ny, 1.3) } else { texture(x + o.du * far, y + o.dv * far, 0.6) };
+                [(value * 255.0) as u8, (value * 200.0) as u8, if inside { 220 } else { 30 }, 255]
+            };
+            Arc::new(View::new([72, 54], (0..72 * 54).flat_map(pixel).collect()).unwrap())
+        };
+        LightField::new(grid, grid.views().map(view).collect()).unwrap()
+    }
+
+    #[test]
+    fn both_planes_are_found_with_the_right_sign_in_grids_of_any_shape() {
+        for (rows, cols) in [(8, 8), (9, 9), (1, 7), (5, 1)] {
+            let (cancel, grid) = (Cancel::default(), ViewGrid::new(rows, cols).unwrap());
+            let job = Job { cancel: &cancel, sink: &() };
+            let map = reference_map(&scene(grid, 0.6, -0.35), &job).unwrap();
+            for (x, y, want) in [(36, 27, 0.6), (30, 24, 0.6), (10, 10, -0.35), (62, 44, -0.35)] {
+                let got = map.at(x, y);
+                assert!((got - want).abs() < 0.08, "{rows}×{cols} at {x},{y}: {got} where {want} was");
+            }
+        }
+    }
+
+    #[test]
+    fn a_view_rendered_from_the_found_depths_is_the_view() {
+        let grid = ViewGrid::PAPER;
+        let field = scene(grid, 0.6, -0.35);
+        let cancel = Cancel::default();
+        let depths = ray_depths(&field, &Job { cancel: &cancel, sink: &() }).unwrap();
+        let at = crate::field::ViewIndex { v: 3, u: 5 };
+        let made =
+            lambertian::render_view(&Signed::from_view(field.reference()), depths.view(at), grid.offset(at)).unwrap();
+        let error = made.rgba().iter().zip(field.view(at).rgba()).map(|(a, b)| f32::from(a.abs_diff(*b))).sum::<f32>();
+        assert!(error / made.rgba().len() as f32 <= 2.0, "mean error {}", error / made.rgba().len() as f32);
+    }
+
+    #[test]
+    fn a_field_without_texture_or_with_one_view_is_flat_and_finite() {
+        let cancel = Cancel::default();
+        let job = Job { cancel: &cancel, sink: &() };
+        for (rows, cols) in [(1, 1), (3, 3)] {
+            let grid = ViewGrid::new(rows, cols).unwrap();
+            let view = Arc::new(View::new([9, 7], vec![128; 9 * 7 * 4]).unwrap());
+            let field = LightField::new(grid, vec![view; grid.count()]).unwrap();
+            let depths = ray_depths(&field, &job).unwrap();
+            assert!(depths.disparity_px().iter().all(|d| d.is_finite()));
+        }
+    }
 }

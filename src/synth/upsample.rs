@@ -1,12 +1,206 @@
 //! Ray depth at the light field's size, with the photo as guide, so that edges sit on edges.
+//!
+//! 1. Enlarge the map. Where it changes quickly it is uncertain: its edge lies somewhere in there.
+//! 2. Let certain values flow into uncertain ones, stopped by the photo's edges: normalised convolution by the
+//!    recursive domain transform (Gastal and Oliveira 2011).
+//! 3. Sharpen what is still steep: such a pixel takes the near or the far side, never a depth in between.
 
+use rayon::prelude::*;
+
+use super::lift::STEP_PX;
 use super::resample::{Filter, resample};
 use crate::field::{DisparityMap, View};
 
+/// How far a certain value flows over even colour, as a share of the long side.
+const FLOW_SHARE: f32 = 0.05;
+/// A difference of colour (mean of the channels, 0 … 1) that halts the flow.
+const COLOUR_SIGMA: f32 = 0.04;
+/// Colour differences below this are noise and texture.
+const COLOUR_NOISE: f32 = 0.015;
+/// A change over one pixel of the small map, in px at the target's size, at which half the certainty is gone.
+const UNCERTAIN_PX: f32 = 0.04;
+/// No pixel is wholly uncertain: its own value stays where nothing better flows in.
+pub(super) const LEAST: f32 = 1e-4;
+/// Passes of the domain transform, each finer.
+const PASSES: u32 = 3;
+/// Rounds of sharpening: a steep ramp of twice as many pixels becomes a step.
+const SHARPEN_ROUNDS: usize = 6;
+
 /// Brings a map to the size of its guide; values are multiplied by the ratio of widths.
+///
+/// A map that is as large as its guide already is only cleaned: its edges move to the photo's edges nearby.
 pub fn to_guide(map: &DisparityMap, guide: &View) -> DisparityMap {
     let (source, target) = (map.size.map(|s| s as usize), guide.size().map(|s| s as usize));
     let ratio = target[0] as f32 / source[0] as f32;
-    let disparity_px = resample::<1>(&map.disparity_px, source, target, Filter::Linear);
-    DisparityMap { size: guide.size(), disparity_px: disparity_px.iter().map(|d| d * ratio).collect() }
+    let scaled: Vec<f32> = map.disparity_px.iter().map(|d| d * ratio).collect();
+    let certain = resample::<1>(&certainty(&scaled, source), source, target, Filter::Linear);
+    let wide = resample::<1>(&scaled, source, target, Filter::Linear);
+    DisparityMap { size: guide.size(), disparity_px: spread(&wide, &certain, guide) }
+}
+
+/// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
+pub(super) fn spread(values: &[f32], certain: &[f32], guide: &View) -> Vec<f32> {
+    let size = guide.size().map(|side| side as usize);
+    let mut flow: Vec<[f32; 2]> = values.iter().zip(certain).map(|(d, c)| [d * c, *c]).collect();
+    let reach = FLOW_SHARE * size[0].max(size[1]) as f32;
+    domain_transform(&mut flow, &Steps::new(guide, reach), reach);
+    let mut map: Vec<f32> = flow.iter().map(|[d, c]| d / c).collect();
+    sharpen(&mut map, size);
+    map
+}
+
+/// Certainty of each pixel of a map, 0 … 1: low where neighbours differ.
+fn certainty(map: &[f32], [w, h]: [usize; 2]) -> Vec<f32> {
+    let at = |x: usize, y: usize| map[y * w + x];
+    let places = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
+    let of = |(x, y): (usize, usize)| {
+        let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
+        let (t, b) = (y.saturating_sub(1), (y + 1).min(h - 1));
+        let slope = ((at(r, y) - at(l, y)).powi(2) + (at(x, b) - at(x, t)).powi(2)).sqrt() / 2.0;
+        (1.0 / (1.0 + (slope / UNCERTAIN_PX).powi(2))).powi(2).max(LEAST)
+    };
+    places.map(of).collect()
+}
+
+/// Distances between neighbouring pixels in the domain transform: 1 on even colour, more over an edge.
+struct Steps {
+    size: [usize; 2],
+    /// To the pixel on the left.
+    across: Vec<f32>,
+    /// To the pixel above.
+    down: Vec<f32>,
+}
+
+impl Steps {
+    fn new(guide: &View, reach: f32) -> Self {
+        let [w, h] = guide.size().map(|side| side as usize);
+        let pixels = guide.rgba();
+        let between = |a: usize, b: usize| {
+            let difference = |c: usize| f32::from(pixels[a * 4 + c].abs_diff(pixels[b * 4 + c]));
+            let mean = (difference(0) + difference(1) + difference(2)) / (3.0 * 255.0);
+            1.0 + reach / COLOUR_SIGMA * (mean - COLOUR_NOISE).max(0.0)
+        };
+        let mut steps = Self { size: [w, h], across: vec![0.0; w * h], down: vec![0.0; w * h] };
+        steps.across.par_chunks_mut(w).zip(steps.down.par_chunks_mut(w)).enumerate().for_each(|(y, (across, down))| {
+            for x in 0..w {
+                let i = y * w + x;
+                across[x] = if x > 0 { between(i, i - 1) } else { f32::INFINITY };
+                down[x] = if y > 0 { between(i, i - w) } else { f32::INFINITY };
+            }
+        });
+        steps
+    }
+}
+
+/// Smooths pairs of (value · weight, weight) over the photo's even regions.
+fn domain_transform(flow: &mut [[f32; 2]], steps: &Steps, reach: f32) {
+    for pass in 0..PASSES {
+        let sigma =
+            reach * 3f32.sqrt() * 2f32.powi((PASSES - pass - 1) as i32) / (4f32.powi(PASSES as i32) - 1.0).sqrt();
+        let rate = -(2f32.sqrt()) / sigma;
+        let weights = |distances: &[f32]| distances.par_iter().map(|d| (rate * d).exp()).collect::<Vec<f32>>();
+        flow_across(flow, &weights(&steps.across), steps.size[0]);
+        flow_down(flow, &weights(&steps.down), steps.size[0]);
+    }
+}
+
+fn blend(pixel: &mut [f32; 2], from: [f32; 2], weight: f32) {
+    pixel[0] += weight * (from[0] - pixel[0]);
+    pixel[1] += weight * (from[1] - pixel[1]);
+}
+
+/// Left to right and back, row by row. `weights[i]` ties pixel i to the one on its left.
+fn flow_across(flow: &mut [[f32; 2]], weights: &[f32], width: usize) {
+    flow.par_chunks_mut(width).zip(weights.par_chunks(width)).for_each(|(row, weights)| {
+        for x in 1..width {
+            let from = row[x - 1];
+            blend(&mut row[x], from, weights[x]);
+        }
+        for x in (1..width).rev() {
+            let from = row[x];
+            blend(&mut row[x - 1], from, weights[x]);
+        }
+    });
+}
+
+/// Top to bottom and back. `weights[i]` ties pixel i to the one above.
+fn flow_down(flow: &mut [[f32; 2]], weights: &[f32], width: usize) {
+    let height = flow.len() / width;
+    for y in 1..height {
+        let (above, row) = flow[(y - 1) * width..(y + 1) * width].split_at_mut(width);
+        let weights = &weights[y * width..(y + 1) * width];
+        row.iter_mut().zip(above).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, *weight));
+    }
+    for y in (1..height).rev() {
+        let (above, row) = flow[(y - 1) * width..(y + 1) * width].split_at_mut(width);
+        let weights = &weights[y * width..(y + 1) * width];
+        above.iter_mut().zip(row).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, *weight));
+    }
+}
+
+/// Turns steep ramps into steps: each steep pixel takes the extreme of its neighbourhood that is nearer to its value.
+fn sharpen(map: &mut Vec<f32>, [w, h]: [usize; 2]) {
+    for _ in 0..SHARPEN_ROUNDS {
+        let before = map.clone();
+        map.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+            let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)].map(|y| &before[y * w..(y + 1) * w]);
+            for (x, value) in row.iter_mut().enumerate() {
+                let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
+                let near = rows.iter().map(|row| row[l].max(row[x]).max(row[r])).fold(f32::MIN, f32::max);
+                let far = rows.iter().map(|row| row[l].min(row[x]).min(row[r])).fold(f32::MAX, f32::min);
+                if near - far > STEP_PX {
+                    *value = if near - *value < *value - far { near } else { far };
+                }
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bright disc before a dark ground, 120×90, and its ray depth blurred to 40×30.
+    fn disc() -> (View, DisparityMap, Vec<bool>) {
+        let inside = |x: f32, y: f32| (x - 60.0).hypot(y - 45.0) < 25.0;
+        let mask: Vec<bool> = (0..120 * 90).map(|i| inside((i % 120) as f32, (i / 120) as f32)).collect();
+        let rgba = mask.iter().flat_map(|m| if *m { [210, 190, 60, 255] } else { [40, 70, 50, 255] }).collect();
+        let sharp: Vec<f32> = mask.iter().map(|m| if *m { 0.5 } else { -0.3 }).collect();
+        let small = resample::<1>(&sharp, [120, 90], [10, 8], Filter::Linear);
+        let soft = resample::<1>(&small, [10, 8], [40, 30], Filter::Linear);
+        (View::new([120, 90], rgba).unwrap(), DisparityMap::new([40, 30], soft).unwrap(), mask)
+    }
+
+    #[test]
+    fn a_soft_edge_moves_to_the_photos_edge_and_becomes_a_step() {
+        let (guide, map, mask) = disc();
+        let out = to_guide(&map, &guide);
+        let [lo, hi] = out.range_px();
+        let wrong = out.disparity_px.iter().zip(&mask).filter(|(d, m)| (**d > (lo + hi) / 2.0) != **m).count();
+        assert!(wrong <= 30, "{wrong} of 10,800 pixels are on the wrong side");
+        let between = out.disparity_px.iter().filter(|d| (**d - lo).min(hi - **d) > 0.3 * (hi - lo)).count();
+        assert!(between <= 30, "{between} pixels have a depth in between");
+    }
+
+    #[test]
+    fn a_slant_without_edges_stays_a_slant() {
+        let guide = View::new([120, 90], vec![128; 120 * 90 * 4]).unwrap();
+        let slant = |i: usize| (i % 40) as f32 * 0.02;
+        let map = DisparityMap::new([40, 30], (0..1200).map(slant).collect()).unwrap();
+        let out = to_guide(&map, &guide);
+        for x in 20..100 {
+            let want = ((x as f32 + 0.5) / 3.0 - 0.5) * 0.06;
+            assert!((out.at(x, 45) - want).abs() < 0.05, "x {x}: {} where {want} was", out.at(x, 45));
+        }
+    }
+
+    #[test]
+    fn a_constant_is_scaled_by_the_ratio_of_widths_and_nothing_else() {
+        let (guide, ..) = disc();
+        for size in [[40, 30], [120, 90], [240, 180], [1, 1]] {
+            let out = to_guide(&DisparityMap::constant(size, 0.6), &guide);
+            let want = 0.6 * 120.0 / size[0] as f32;
+            assert!(out.disparity_px.iter().all(|d| (d - want).abs() < 1e-3 * want), "{size:?}");
+        }
+    }
 }

@@ -1,0 +1,114 @@
+//! Synthesis by way of the cache.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::cache::{Cache, CacheKey, Entry};
+use super::picture::{Signed, reference_view};
+use super::pipeline::{Made, Synthesizer};
+use super::{SynthError, SynthParams, Synthesis, lambertian, lift, tract};
+use crate::field::{DisparityMap, LightField, Photo, View, ViewIndex};
+use crate::job::Job;
+
+impl Synthesizer {
+    /// [`synthesize`](Self::synthesize), but from the cache where the light field lies there; else it is put there.
+    ///
+    /// # Errors
+    /// As `synthesize`. A cache that cannot be written is only a warning.
+    pub fn synthesize_cached(
+        &self,
+        photo: &Photo,
+        params: &SynthParams,
+        cache: &Cache,
+        job: &Job,
+    ) -> Result<Synthesis, SynthError> {
+        let started = Instant::now();
+        let models = self.models(params);
+        let key = CacheKey::new(photo, params, &models);
+        let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
+        if let Some(entry) = cache.read(&key)
+            && let Some((field, depths)) = pool.install(|| self.restored(photo, params, &entry, job))?
+        {
+            return Ok(Synthesis { field, depths, models, took: started.elapsed() });
+        }
+        let made = self.synthesize(photo, params, job)?;
+        if let Some(entry) = pool.install(|| self.entry(&made))
+            && let Err(error) = cache.write(&key, &entry)
+        {
+            let place = cache.folder().display();
+            job.sink.warning(format!("The light field could not be kept for next time — {error}: {place}"));
+        }
+        Ok(made)
+    }
+
+    /// What a cache keeps of a light field; none where its depths are more than their reference map.
+    fn entry(&self, made: &Synthesis) -> Option<Entry> {
+        let (grid, depths) = (self.grid(), &made.depths);
+        let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
+        if lift::ray_depths(&map, grid) != **depths {
+            return None;
+        }
+        let photo = Signed::from_view(made.field.reference());
+        let views = (0..grid.count()).into_par_iter().map(|layer| {
+            let at = grid.view_from_layer(layer);
+            let plain = lambertian::render_view(&photo, depths.view(at), grid.offset(at)).ok()?;
+            Some(difference(made.field.view(at), &plain))
+        });
+        let differences = views.collect::<Option<Vec<_>>>()?.concat();
+        Some(Entry { map, differences, checksum: checksum(made.field.views()) })
+    }
+
+    /// A light field from a cache's entry; none where the entry does not lead to the views it was made from.
+    fn restored(
+        &self,
+        photo: &Photo,
+        params: &SynthParams,
+        entry: &Entry,
+        job: &Job,
+    ) -> Result<Option<Made>, SynthError> {
+        let reference = reference_view(photo, params.long_side.max(1))?;
+        let (grid, bytes) = (self.grid(), reference.rgba().len() / 4 * 3);
+        if entry.map.size != reference.size() || entry.differences.len() != bytes * grid.count() {
+            return Ok(None);
+        }
+        let depths = Arc::new(lift::lifted(&entry.map, grid, job)?);
+        let signed = Signed::from_view(&reference);
+        let make = |at: ViewIndex| {
+            let plain = lambertian::render_view(&signed, depths.view(at), grid.offset(at))?;
+            let start = grid.layer_from_view(at) * bytes;
+            Ok(Arc::new(sum(plain, &entry.differences[start..start + bytes])?))
+        };
+        let layers = (0..grid.count()).into_par_iter();
+        let views = layers.map(|layer| make(grid.view_from_layer(layer))).collect::<Result<Vec<_>, SynthError>>()?;
+        if checksum(&views) != entry.checksum {
+            return Ok(None);
+        }
+        job.sink.depths(&depths);
+        grid.spiral().into_iter().for_each(|at| job.sink.view(at, &views[grid.layer_from_view(at)]));
+        Ok(Some((Arc::new(LightField::new(grid, views)?), depths)))
+    }
+}
+
+/// Colours of a view less those of its Lambertian rendering, wrapping, `[y, x, rgb]`.
+fn difference(view: &View, plain: &View) -> Vec<u8> {
+    let pairs = view.rgba().chunks_exact(4).zip(plain.rgba().chunks_exact(4));
+    pairs.flat_map(|(a, b)| [0, 1, 2].map(|c| a[c].wrapping_sub(b[c]))).collect()
+}
+
+/// The inverse of [`difference`].
+fn sum(plain: View, difference: &[u8]) -> Result<View, SynthError> {
+    let size = plain.size();
+    let mut rgba = plain.into_rgba();
+    for (pixel, more) in rgba.chunks_exact_mut(4).zip(difference.chunks_exact(3)) {
+        (0..3).for_each(|c| pixel[c] = pixel[c].wrapping_add(more[c]));
+    }
+    Ok(View::new(size, rgba)?)
+}
+
+fn checksum(views: &[Arc<View>]) -> u32 {
+    let mut crc = flate2::Crc::new();
+    views.iter().for_each(|view| crc.update(view.rgba()));
+    crc.sum()
+}
