@@ -7,6 +7,8 @@
 //! Parsers never trust a length: sizes are checked in the header before anything is allocated, and what is only extra
 //! (a broken depth map in a sound photo) becomes a warning.
 
+#[cfg(test)]
+mod data_tests;
 mod error;
 mod exif;
 pub mod folder;
@@ -18,6 +20,8 @@ mod raster;
 pub mod sample;
 pub mod save;
 mod sniff;
+#[cfg(test)]
+mod tests;
 mod xmp;
 
 pub use crate::field::DisparityMap;

@@ -40,9 +40,12 @@ fn split_numbers(stem: &str) -> (String, Vec<u64>) {
     (pattern, numbers)
 }
 
+/// Files of one pattern, each with the numbers in its name.
+type Family = Vec<(Vec<u64>, PathBuf)>;
+
 /// Picture files of a folder by pattern, in file order.
-fn families(folder: &Path) -> std::io::Result<BTreeMap<String, Vec<(Vec<u64>, PathBuf)>>> {
-    let mut found: BTreeMap<String, Vec<(Vec<u64>, PathBuf)>> = BTreeMap::new();
+fn families(folder: &Path) -> std::io::Result<BTreeMap<String, Family>> {
+    let mut found: BTreeMap<String, Family> = BTreeMap::new();
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let suffix = path.extension().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
@@ -75,11 +78,7 @@ pub(super) fn find(folder: &Path, grid: Option<ViewGrid>) -> Result<Option<GridF
     }
 }
 
-fn two_numbers(
-    files: Vec<(Vec<u64>, PathBuf)>,
-    [row, col]: [usize; 2],
-    grid: Option<ViewGrid>,
-) -> Result<GridFiles, Problem> {
+fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) -> Result<GridFiles, Problem> {
     let distinct = |at: usize| {
         let mut all: Vec<u64> = files.iter().map(|(numbers, _)| numbers[at]).collect();
         all.sort_unstable();
@@ -107,7 +106,7 @@ fn two_numbers(
 /// A running number fills the grid of the index file, else a square, else one row.
 fn running_number(
     pattern: &str,
-    mut files: Vec<(Vec<u64>, PathBuf)>,
+    mut files: Family,
     at: usize,
     grid: Option<ViewGrid>,
 ) -> Result<Option<GridFiles>, Problem> {

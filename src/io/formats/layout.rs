@@ -2,7 +2,8 @@
 //! only in the right layout does one disparity for each point explain all views.
 //!
 //! Turning the grid upside down *and* left to right (both signs at once) changes nothing but the sign of every
-//! disparity, so colours alone cannot tell it, except where things hide each other. [`Layout::opposite`] is the toggle.
+//! disparity: colours cannot tell that. [`Layout::opposite`] is the toggle. (What hides what could tell it in principle;
+//! tried at this size, it was wrong on a benchmark scene.)
 
 use std::sync::Arc;
 

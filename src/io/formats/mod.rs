@@ -132,6 +132,8 @@ pub(crate) fn read_single(
 /// Looks whether foreign views lie as we think they do, and turns them where they clearly do not. The person is told,
 /// and can turn them back ([`layout::Layout::apply`]).
 fn check_layout(file: &mut LightFieldFile) {
+    let note = "rows and columns are checked by what fits together; the common sign is taken as it lies";
+    file.info.notes.push(("layout".to_owned(), note.to_owned()));
     let Some(guess) = layout::better_than_stored(&file.field) else { return };
     file.field = Arc::new(guess.layout.apply(&file.field));
     let grid = file.field.grid();

@@ -23,9 +23,14 @@ pub(crate) fn header_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
 
 type Decoder<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
 
-fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> {
+/// A decoder that gives one kind of pixels; it must know from the start, as it picks its routines then.
+fn decoder(bytes: &[u8], out: ColorSpace) -> Decoder<'_> {
     let options = DecoderOptions::default().set_strict_mode(false).set_max_width(65_535).set_max_height(65_535);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    JpegDecoder::new_with_options(ZCursor::new(bytes), options.jpeg_set_out_colorspace(out))
+}
+
+fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> {
+    let mut decoder = decoder(bytes, ColorSpace::RGBA);
     decoder.decode_headers().map_err(|error| Problem::damaged(FORMAT, error))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| Problem::damaged(FORMAT, "it has no size"))?;
     let space = decoder.input_colorspace().ok_or_else(|| Problem::damaged(FORMAT, "it has no colours"))?;
@@ -36,13 +41,14 @@ fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> 
 /// Decodes a JPEG that has been taken apart already.
 pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Problem> {
     let end = parts.end.ok_or(Problem::Truncated { format: FORMAT })?;
-    let (mut decoder, size, space) = header(&bytes[..end])?;
+    let bytes = &bytes[..end];
+    let (mut decoder, size, space) = header(bytes)?;
     let icc = decoder.icc_profile();
     let (pixels, icc) = match space {
         ColorSpace::YCbCr => (rgba(&mut decoder, size)?, icc.filter(|icc| color::is_rgb(icc))),
-        ColorSpace::Luma => gray(&read(&mut decoder, ColorSpace::Luma)?, icc),
-        ColorSpace::CMYK => cmyk(read(&mut decoder, ColorSpace::CMYK)?, icc),
-        _ => (rgba_from_rgb(read(&mut decoder, ColorSpace::RGB)?.as_chunks().0), icc.filter(|icc| color::is_rgb(icc))),
+        ColorSpace::Luma => gray(&read(bytes, ColorSpace::Luma)?, icc),
+        ColorSpace::CMYK => cmyk(read(bytes, ColorSpace::CMYK)?, icc),
+        _ => (rgba_from_rgb(read(bytes, ColorSpace::RGB)?.as_chunks().0), icc.filter(|icc| color::is_rgb(icc))),
     };
     let exif = parts.exif().map(<[u8]>::to_vec);
     let orientation = Raster::orientation_of(exif.as_deref());
@@ -50,14 +56,12 @@ pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Pr
     Ok(Raster { size, samples: Samples::Eight(pixels), has_alpha: false, icc, exif, xmp, orientation })
 }
 
-fn read(decoder: &mut Decoder, space: ColorSpace) -> Result<Vec<u8>, Problem> {
-    decoder.set_options(decoder.options().jpeg_set_out_colorspace(space));
-    decoder.decode().map_err(|error| Problem::damaged(FORMAT, error))
+fn read(bytes: &[u8], space: ColorSpace) -> Result<Vec<u8>, Problem> {
+    decoder(bytes, space).decode().map_err(|error| Problem::damaged(FORMAT, error))
 }
 
 /// The usual case, decoded into place.
 fn rgba(decoder: &mut Decoder, [width, height]: [u32; 2]) -> Result<Vec<[u8; 4]>, Problem> {
-    decoder.set_options(decoder.options().jpeg_set_out_colorspace(ColorSpace::RGBA));
     let mut pixels = vec![[0; 4]; width as usize * height as usize];
     decoder.decode_into(pixels.as_flattened_mut()).map_err(|error| Problem::damaged(FORMAT, error))?;
     Ok(pixels)

@@ -8,7 +8,7 @@ use moxcms::ColorProfile;
 
 use super::apple::Scale;
 use super::{UnitMap, spatial};
-use crate::io::raster::{Raster, Samples, check_size, orient};
+use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, orient};
 use crate::io::sniff::Sniffed;
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};
@@ -22,7 +22,7 @@ const DISPLAY_P3: u16 = 12;
 pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let file = HeifFile::parse(bytes).map_err(problem)?;
     let id = file.primary_id;
-    let mut photo = PhotoFile::from_raster(decode_photo(&file, id)?, Sniffed::Heif)?;
+    let mut photo = PhotoFile::from_raster(decode_photo(bytes, &file)?, Sniffed::Heif)?;
     match depth_map(&file) {
         Some(Ok(depth)) => photo.set_depth(depth),
         Some(Err(reason)) => photo.warn(format!("the depth map is left out — {reason}")),
@@ -53,30 +53,42 @@ pub(super) fn decode_item(file: &HeifFile, id: ItemId) -> Result<heifer::Image, 
     heifer::decode_item(file, id, 0).map_err(problem)
 }
 
-fn decode_photo(file: &HeifFile, id: ItemId) -> Result<Raster, Problem> {
+/// Most pixels of one picture: 16 bits a channel fit into memory then.
+const MAX_PIXELS: u64 = MAX_DECODED_BYTES / 8;
+
+fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
+    let id = file.primary_id;
     if let Some((width, height)) = file.image_size(id).map_err(problem)? {
         check_size(width.into(), height.into(), 8)?;
     }
-    let image = decode_item(file, id)?;
-    let max = u32::from(image.max_value());
-    let pixels = image.data.as_chunks().0;
-    let samples = if image.bit_depth == 8 {
-        Samples::Eight(pixels.iter().map(|px| px.map(|value| value as u8)).collect())
+    let options = heifer::Options { max_threads: 0, max_pixels: MAX_PIXELS };
+    let (size, has_alpha, samples) = if bits(file, id) <= 8 {
+        let image = heifer::decode_rgba8(bytes, &options).map_err(problem)?;
+        ([image.width, image.height], image.has_alpha, Samples::Eight(image.data.as_chunks().0.to_vec()))
     } else {
+        let image = heifer::decode_with_options(bytes, &options).map_err(problem)?;
+        let max = u32::from(image.max_value());
         let widen = |value: u16| ((u32::from(value) * 65_535 + max / 2) / max) as u16;
-        Samples::Sixteen(pixels.iter().map(|px| px.map(widen)).collect())
+        let pixels = image.data.as_chunks().0.iter().map(|px| px.map(widen)).collect();
+        ([image.width, image.height], image.has_alpha, Samples::Sixteen(pixels))
     };
     let metadata = heifer::item_metadata(file, id).unwrap_or_default();
     Ok(Raster {
-        size: [image.width, image.height],
+        size,
         samples,
-        has_alpha: image.has_alpha,
+        has_alpha,
         icc: metadata.icc_profile.or_else(|| profile_from_nclx(file, id)),
         exif: metadata.exif,
         xmp: metadata.xmp,
         // The container's own turns have been applied; EXIF must not turn the picture again.
         orientation: 1,
     })
+}
+
+/// Bits of a channel: of the picture, or of its first tile.
+fn bits(file: &HeifFile, id: ItemId) -> u8 {
+    let own = |id| file.hevc_config(id).ok().flatten().map(|config| config.bit_depth_luma);
+    own(id).or_else(|| own(*file.referenced_items(id, b"dimg").first()?)).unwrap_or(16)
 }
 
 /// A profile for files that say Display P3 only by number.
