@@ -25,6 +25,7 @@ mod plants;
 pub mod raster;
 mod real;
 pub mod rng;
+pub mod write;
 
 #[cfg(test)]
 mod tests;

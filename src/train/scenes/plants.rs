@@ -46,8 +46,8 @@ pub fn blades(rng: &mut Rng, size: [usize; 2], photo: &Raster<[u8; 3]>) -> Raste
     let base = green(rng, photo);
     for _ in 0..1 + rng.below(9) {
         let hangs = rng.chance(0.12);
-        let root = [rng.range(-0.1, 1.1) * w, if hangs { -0.1 * h } else { rng.range(0.6, 1.1) * h }];
-        let length = h * rng.range(0.3, 1.2) * if hangs { -1.0 } else { 1.0 };
+        let root = [rng.range(-0.1, 1.1) * w, if hangs { -0.1 * h } else { rng.range(1.0, 1.2) * h }];
+        let length = h * rng.range(0.3, 1.3) * if hangs { -1.0 } else { 1.0 };
         let bend = [rng.range(-0.5, 0.5) * length.abs(), rng.range(-0.2, 0.2) * length.abs()];
         let wide = rng.range(0.5, 7.0) * h / 144.0;
         let taper = if rng.chance(0.4) { 20.0 } else { rng.range(1.0, 5.0) };

@@ -1,0 +1,71 @@
+//! Evaluation, so that figures from two places agree.
+//!
+//! A [`Predictor`] gets the reference view alone and gives ray depths of all 64 views (and corrected views, if it has
+//! an occlusion net); [`light_field`] compares with the true views, [`photos`] with masks and nearness maps,
+//! [`constructed`] with scenes whose ray depths are known. Every figure stands beside copying the photo, the best
+//! plane and a plane sweep over the true views.
+//!
+//! * *Corner views*: (0,0) (0,7) (7,0) (7,7). *Outermost views*: the 28 on the rim.
+//! * *Flat*: the best plane of −1 … 1 by 0.1. *Fit*: the best of `a·D + b`, a ∈ {.15 .3 .45 .6 .8 1 1.3}, b −0.6 … 0.6
+//!   by 0.1 (scale and focus of a lens cannot be known from a photo). *Sweep*: see [`sweep`].
+//! * *Closed* = (flat − fit) / (flat − sweep), mean L1 of the corners in 0 … 1: 0 knows no depth, 1 is as good as
+//!   having all views.
+
+mod command;
+pub mod constructed;
+mod field;
+pub mod light_field;
+pub mod metrics;
+mod model;
+pub mod photos;
+pub mod sheet;
+pub mod sweep;
+pub mod warp;
+
+#[cfg(test)]
+mod tests;
+
+pub use command::{command, run};
+pub use field::{EvalError, TrueField};
+pub use metrics::Rgb;
+pub use model::Models;
+
+/// Layers of the corner views.
+pub const CORNERS: [usize; 4] = [0, 7, 56, 63];
+/// Rows and columns of the views that the depth of the reference view is swept over.
+pub const OUTER_STEPS: [usize; 4] = [0, 2, 5, 7];
+
+/// What a predictor makes of one photo.
+pub struct Prediction {
+    /// `[view, y, x]` of the 64 views, pixels per view step at the photo's size.
+    pub disparity_px: Vec<f32>,
+    /// The 64 views after the occlusion net, where there is one.
+    pub corrected: Option<Vec<Rgb>>,
+}
+
+impl Prediction {
+    /// The map of one view of `count` pixels.
+    pub fn view(&self, layer: usize, count: usize) -> &[f32] {
+        &self.disparity_px[layer * count..(layer + 1) * count]
+    }
+
+    /// The same map for all views.
+    pub fn tied(map: &[f32]) -> Self {
+        Self { disparity_px: map.repeat(64), corrected: None }
+    }
+}
+
+/// Anything that finds ray depths in a photo: the product's pipeline, or nets in training.
+pub trait Predictor {
+    /// Ray depths of all views from the reference view, at its size.
+    ///
+    /// # Errors
+    /// What the nets say.
+    fn predict(&self, reference: &Rgb) -> anyhow::Result<Prediction>;
+}
+
+impl<F: Fn(&Rgb) -> anyhow::Result<Prediction>> Predictor for F {
+    fn predict(&self, reference: &Rgb) -> anyhow::Result<Prediction> {
+        self(reference)
+    }
+}

@@ -1,0 +1,52 @@
+//! The product's own pipeline as a predictor: what people will see is what is judged.
+
+use std::path::Path;
+
+use plenoscope::field::Photo;
+use plenoscope::job::{Cancel, Job};
+use plenoscope::synth::{ModelSource, ModelTag, SynthParams, Synthesizer};
+
+use super::metrics::Rgb;
+use super::{Prediction, Predictor};
+use crate::scenes::raster::Raster;
+
+/// The nets of a models folder, or the ones in the program, run by `plenoscope::synth`.
+pub struct Models {
+    synthesizer: Synthesizer,
+    params: SynthParams,
+}
+
+impl Models {
+    /// Loads them; `folder` is laid out like `models/`.
+    ///
+    /// # Errors
+    /// What [`Synthesizer::load`] says.
+    pub fn load(folder: Option<&Path>, threads: usize) -> anyhow::Result<Self> {
+        let source = folder.map_or(ModelSource::Embedded, |folder| ModelSource::Folder(folder.to_owned()));
+        let params = SynthParams { long_side: u32::MAX, threads, ..SynthParams::default() };
+        Ok(Self { synthesizer: Synthesizer::load(&source)?, params })
+    }
+
+    /// Name and checksum of the nets.
+    pub fn tags(&self) -> Vec<ModelTag> {
+        self.synthesizer.models(&self.params)
+    }
+}
+
+impl Predictor for Models {
+    fn predict(&self, reference: &Rgb) -> anyhow::Result<Prediction> {
+        let size = reference.size.map(|side| side as u32);
+        let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let rgba = reference.px.iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2]), 255]).collect();
+        let photo = Photo::from_srgb8(size, rgba)?;
+        let cancel = Cancel::default();
+        let made = self.synthesizer.synthesize(&photo, &self.params, &Job { cancel: &cancel, sink: &() })?;
+        let view = |rgba: &[u8]| {
+            let px = rgba.chunks_exact(4).map(|p| [0, 1, 2].map(|c| f32::from(p[c]) / 255.0)).collect();
+            Raster { size: reference.size, px }
+        };
+        let occlusion = made.models.len() > 1;
+        let corrected = occlusion.then(|| made.field.views().iter().map(|v| view(v.rgba())).collect());
+        Ok(Prediction { disparity_px: made.depths.disparity_px().to_vec(), corrected })
+    }
+}

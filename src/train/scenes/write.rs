@@ -1,0 +1,127 @@
+//! `plenoscope-train data`: samples as folders of views that the window can open, and one sheet to look at.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::Result;
+use clap::{ArgMatches, Command, arg, value_parser};
+use plenoscope::field::{LightField, RayDepths, View, ViewGrid};
+use plenoscope::io::formats::{self, views};
+use plenoscope::job::{Cancel, Job};
+
+use super::raster::Raster;
+use super::{Config, Mix, Sample, Source};
+use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range, write_png};
+
+/// What the command line understands.
+pub fn command() -> Command {
+    let number = || value_parser!(usize);
+    Command::new("data")
+        .about("Write samples of the data engine as folders of views, and a contact sheet")
+        .arg(arg!(--out <DIR> "Folder for them").required(true).value_parser(value_parser!(PathBuf)))
+        .arg(arg!(--count <N> "Samples").default_value("12").value_parser(number()))
+        .arg(
+            arg!(--data <DIR> "Folder of flowers/, everyday/ …")
+                .default_value("data")
+                .value_parser(value_parser!(PathBuf)),
+        )
+        .arg(arg!(--"long-side" <PX> "Long side of the whole picture").default_value("270").value_parser(number()))
+        .arg(arg!(--seed <N> "Seed").default_value("1").value_parser(value_parser!(u64)))
+        .arg(
+            arg!(--mix <SHARES> "Shares of lifted, collage, pseudo, real")
+                .default_value("0.35,0.25,0.3,0.1")
+                .value_delimiter(',')
+                .value_parser(value_parser!(f32)),
+        )
+}
+
+/// Writes samples; gives what is to be printed.
+///
+/// # Errors
+/// Bad data, or a disk that cannot be written.
+pub fn run(matches: &ArgMatches) -> Result<String> {
+    let number = |name: &str| matches.get_one::<usize>(name).copied().unwrap_or(0);
+    let path = |name: &str| matches.get_one::<PathBuf>(name).cloned().unwrap_or_default();
+    let shares: Vec<f32> = matches.get_many("mix").into_iter().flatten().copied().collect();
+    let &[lifted, collage, pseudo, real] = shares.as_slice() else {
+        anyhow::bail!("--mix has {} shares; expected four: lifted, collage, pseudo, real", shares.len());
+    };
+    let long_side = number("long-side");
+    let config = Config {
+        data: path("data"),
+        long_side,
+        crop: [long_side, long_side * 3 / 4],
+        views_per_sample: 64,
+        mix: Mix { lifted, collage, pseudo, real },
+        seed: matches.get_one::<u64>("seed").copied().unwrap_or(1),
+        ..Config::default()
+    };
+    let source = Source::new(&config)?;
+    let out = path("out");
+    std::fs::create_dir_all(&out)?;
+    let mut rows = Vec::new();
+    for index in 0..number("count") as u64 {
+        let sample = source.sample(index);
+        write(&out.join(format!("sample_{index:04}_{:?}", sample.kind).to_lowercase()), &sample)?;
+        rows.push(tiles(&sample));
+    }
+    write_png(&out.join("sheet.png"), &join(&rows, 240))?;
+    Ok(format!("{} samples and sheet.png in {}", rows.len(), out.display()))
+}
+
+/// The pictures of a sample in `[v, u]` order.
+fn pictures(sample: &Sample) -> Vec<Raster<[f32; 3]>> {
+    let count = sample.size[0] * sample.size[1];
+    let mut all = vec![Raster { size: sample.size, px: Vec::new() }; 64];
+    for (k, &layer) in sample.views.iter().enumerate() {
+        let at = |c: usize, i: usize| sample.rgb[(3 * k + c) * count + i];
+        all[layer].px = (0..count).map(|i| [at(0, i), at(1, i), at(2, i)]).collect();
+    }
+    all
+}
+
+/// Reference view, its ray depth, the first corner view, its ray depth, epipolar image of the middle row.
+fn tiles(sample: &Sample) -> Vec<Raster<[f32; 3]>> {
+    let pictures = pictures(sample);
+    let count = sample.size[0] * sample.size[1];
+    let place = |layer: usize| sample.views.iter().position(|&l| l == layer).unwrap_or(0);
+    let unknown = || vec![f32::NAN; count];
+    let depth =
+        |layer: usize| sample.disparity.as_ref().map_or_else(unknown, |d| d[place(layer) * count..][..count].to_vec());
+    let range = usual_range(&depth(36));
+    vec![
+        pictures[36].clone(),
+        depth_tile(&depth(36), sample.size, range),
+        pictures[0].clone(),
+        depth_tile(&depth(0), sample.size, range),
+        epi_tile(|layer| &pictures[layer], sample.size[1] / 2, 4),
+    ]
+}
+
+/// Writes one sample of 64 views.
+///
+/// # Errors
+/// A sample of fewer views; a disk that cannot be written.
+pub fn write(folder: &Path, sample: &Sample) -> Result<()> {
+    anyhow::ensure!(sample.views.len() == 64, "a sample of {} views; expected all 64", sample.views.len());
+    let size = sample.size.map(|side| side as u32);
+    let byte = |c: f32| (c * 255.0 + 0.5) as u8;
+    let view = |picture: Raster<[f32; 3]>| {
+        let rgba = picture.px.iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2]), 255]).collect();
+        View::new(size, rgba).map(Arc::new)
+    };
+    let views = pictures(sample).into_iter().map(view).collect::<Result<_, _>>()?;
+    let field = LightField::new(ViewGrid::PAPER, views)?;
+    let depths = sample.disparity.as_ref().map(|disparity| {
+        let count = sample.size[0] * sample.size[1];
+        let mut sorted = vec![0.0; disparity.len()];
+        for (map, &layer) in disparity.chunks_exact(count).zip(&sample.views) {
+            sorted[layer * count..(layer + 1) * count].copy_from_slice(map);
+        }
+        RayDepths::new(ViewGrid::PAPER, size, sorted)
+    });
+    let depths = depths.transpose()?;
+    let cancel = Cancel::default();
+    let job = Job { cancel: &cancel, sink: &() };
+    Ok(views::write(folder, &formats::Source { depths: depths.as_ref(), ..formats::Source::new(&field) }, &job)?)
+}
