@@ -45,7 +45,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         std::fs::create_dir_all(folder)?;
     }
     let put = |name: &str, rows: &[Vec<super::Rgb>]| -> Result<()> {
-        let Some(folder) = sheets else { return Ok(()) };
+        let Some(folder) = sheets.filter(|_| !rows.is_empty()) else { return Ok(()) };
         Ok(sheet::write_png(&folder.join(name), &sheet::join(rows, TILE))?)
     };
     let (mut figures, mut rows) = (Vec::new(), Vec::new());
