@@ -10,12 +10,14 @@
 //! * [`io`]: files in, files out.
 //! * [`synth`]: depth net → Lambertian rendering → occlusion net (ONNX, run by tract).
 //! * [`kernel`]: the direct convolution that inference and training share.
+//! * [`bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation.
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
+pub mod bench;
 pub mod field;
 pub mod io;
 pub mod job;

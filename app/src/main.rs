@@ -12,6 +12,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use plenoscope::job::{Cancel, Job};
+use plenoscope::kernel::blocks::LargeBlocks;
 
 use crate::cli::{Cli, Talk};
 use crate::progress::Bar;
@@ -20,6 +21,9 @@ use crate::progress::Bar;
 const INTERRUPTED: u8 = 130;
 /// Exit code of wrong usage, as clap has it.
 const USAGE: u8 = 2;
+
+#[global_allocator]
+static BLOCKS: LargeBlocks = LargeBlocks;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

@@ -37,10 +37,13 @@
 //! [`Isa`] picks AVX-512, AVX2 + FMA or plain Rust at run time. The same generic code ([`vector::Vector`]) is compiled for
 //! each; sums are ordered differently, so results differ in the last bits.
 //!
+//! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
+//!
 //! Parallel over blocks of rows on the current rayon pool; a cancel flag is looked at before each block.
 
 #![allow(unsafe_code, reason = "SIMD intrinsics and writing disjoint rows of one buffer from several threads")]
 
+pub mod blocks;
 mod conv;
 mod driver;
 mod gradient;
@@ -48,6 +51,7 @@ mod isa;
 pub mod norm;
 mod pack;
 mod padded;
+pub mod peak;
 mod portable;
 mod shape;
 mod tile;

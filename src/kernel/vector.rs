@@ -93,7 +93,7 @@ pub(super) unsafe fn tanh<V: Vector>(x: V) -> V {
 /// The functions that the rest of the kernel calls, compiled for one set of instructions.
 macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
-        use $crate::kernel::{norm, tile, weight_tile};
+        use $crate::kernel::{norm, peak, tile, weight_tile};
 
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
@@ -111,6 +111,12 @@ macro_rules! entry_points {
         pub(in crate::kernel) unsafe fn sum_and_squares(values: &[f32]) -> [f64; 2] {
             // SAFETY: the caller's word.
             unsafe { norm::rows::sum_and_squares::<$vector>(values) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn multiply_add_chains(rounds: usize) -> f32 {
+            // SAFETY: the caller's word.
+            unsafe { peak::chains::<$vector>(rounds) }
         }
 
         $(#[target_feature(enable = $features)])?

@@ -102,6 +102,16 @@ impl Runnable {
         self.plan.model().nodes().iter().filter(|node| node.op_is::<op::DirectConv>()).count()
     }
 
+    /// Useful floating-point operations of one run in the convolutions that the kernel does (two per multiply-add).
+    pub fn flop(&self) -> f64 {
+        let of = |node: &TypedNode| {
+            let op = node.op_as::<op::DirectConv>()?;
+            let outputs: usize = node.outputs[0].fact.shape.as_concrete()?.iter().product();
+            Some(2.0 * outputs as f64 * (op.channels[0] * op.kernel.taps()) as f64)
+        };
+        self.plan.model().nodes().iter().filter_map(of).sum()
+    }
+
     /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)).
     ///
     /// `cancel` is looked at between blocks of rows of the direct convolutions.

@@ -1,0 +1,72 @@
+//! The direct convolution, layer by layer: `cargo bench --bench kernel`. Items are multiply-adds × 2, so divan's items
+//! per second are FLOP/s.
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use plenoscope::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Padding};
+
+fn main() {
+    divan::main();
+}
+
+/// (name, channels in, channels out, views, rows, columns, dilation)
+const LAYERS: [(&str, usize, usize, usize, usize, usize, usize); 9] = [
+    ("depth first", 5, 16, 1, 187, 270, 1),
+    ("depth 64 to 128", 64, 128, 1, 187, 270, 1),
+    ("depth 128, dilation 2", 128, 128, 1, 187, 270, 2),
+    ("depth 128, dilation 16", 128, 128, 1, 187, 270, 16),
+    ("depth last", 64, 64, 1, 187, 270, 1),
+    ("occlusion first", 4, 8, 64, 64, 270, 1),
+    ("occlusion middle", 8, 8, 64, 64, 270, 1),
+    ("occlusion last", 8, 3, 64, 64, 270, 1),
+    ("everyday, 1/16", 224, 224, 1, 12, 16, 1),
+];
+
+fn shape(layer: usize) -> ConvShape {
+    let (_, channels_in, channels_out, views, height, width, dilation) = LAYERS[layer];
+    let kernel = if views > 1 { Kernel::Volume } else { Kernel::Plane };
+    ConvShape { batch: 1, channels_in, channels_out, views, height, width, kernel, dilation, padding: Padding::Edge }
+}
+
+fn numbers(n: usize) -> Vec<f32> {
+    (0..n).map(|i| (i * 7919 % 1000) as f32 / 1000.0 - 0.5).collect()
+}
+
+fn forward(bencher: Bencher, layer: usize, isa: Option<Isa>) {
+    let Some(isa) = isa else { return };
+    let conv = Conv::new(shape(layer), isa);
+    let x = numbers(conv.shape().input_len());
+    let weights = conv.pack(&numbers(conv.shape().weights_len()));
+    let flop = conv.shape().flop() as usize;
+    bencher
+        .counter(ItemsCount::new(flop))
+        .bench(|| conv.forward(&conv.pad_input(&x), &weights, None, Activation::Elu, None));
+}
+
+#[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
+fn avx512(bencher: Bencher, layer: usize) {
+    forward(bencher, layer, Isa::avx512());
+}
+
+#[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
+fn avx2(bencher: Bencher, layer: usize) {
+    forward(bencher, layer, Isa::avx2());
+}
+
+#[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
+fn data_gradient(bencher: Bencher, layer: usize) {
+    let conv = Conv::new(shape(layer), Isa::best());
+    let weights = numbers(conv.shape().weights_len());
+    let gradient = conv.pad_gradient(&numbers(conv.shape().output_len()));
+    let flop = conv.shape().flop() as usize;
+    bencher.counter(ItemsCount::new(flop)).bench(|| conv.data_gradient(&gradient, &weights));
+}
+
+#[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
+fn weight_gradient(bencher: Bencher, layer: usize) {
+    let conv = Conv::new(shape(layer), Isa::best());
+    let x = conv.pad_input(&numbers(conv.shape().input_len()));
+    let gradient = conv.pad_gradient(&numbers(conv.shape().output_len()));
+    let flop = conv.shape().flop() as usize;
+    bencher.counter(ItemsCount::new(flop)).bench(|| conv.weight_gradient(&x, &gradient));
+}

@@ -1,0 +1,126 @@
+//! Both nets and the warp between them at one exact size, as the pipeline runs them.
+
+use glam::Vec4;
+use rayon::prelude::*;
+
+use super::{BenchError, Options, Seconds, timed};
+use crate::field::ViewGrid;
+use crate::job::Job;
+use crate::synth::lambertian::render_row;
+use crate::synth::tract::{self, Output, Runnable, pool, prepare};
+use crate::synth::{ModelFile, ModelSource, Signed, Task};
+
+/// Rows that the occlusion net sees beyond a strip.
+const HALO: usize = 5;
+/// Memory of the widest activation of a strip (8 channels), as the pipeline has it.
+const STRIP_BYTES: usize = 96 << 20;
+
+/// Nets made ready for a size.
+#[cfg_attr(not(feature = "onnxruntime"), allow(dead_code, reason = "only the other engine reads the files again"))]
+pub(super) struct Nets {
+    pub(super) depth_file: ModelFile,
+    pub(super) occlusion_file: ModelFile,
+    grid: ViewGrid,
+    size: [usize; 2],
+    photo: Signed,
+    depth: Runnable,
+    occlusion: Runnable,
+    threads: usize,
+}
+
+impl Nets {
+    pub(super) fn new(models: &ModelSource, options: &Options, size: [usize; 2]) -> Result<Self, BenchError> {
+        let index = models.index()?;
+        let depth_file = models.model(&index.depth, Task::RayDepth)?;
+        let occlusion_file = models.model(&index.occlusion.ok_or(BenchError::NoOcclusionNet)?, Task::Occlusion)?;
+        let grid = depth_file.manifest.grid()?;
+        let size @ [width, height] = size.map(|side| side.max(1));
+        let engine = tract::Options { path: options.path, threads: options.threads };
+        let multiple = depth_file.manifest.multiple_of as usize;
+        let padded = [height, width].map(|side| side.next_multiple_of(multiple));
+        let shape = [1, depth_file.manifest.input_channels(), padded[0], padded[1]];
+        let depth = prepare(&depth_file.onnx, &shape, &engine)?;
+        let fitting = STRIP_BYTES / (8 * grid.count() * width * size_of::<f32>());
+        let rows = fitting.max(4 * HALO).min(height);
+        let occlusion = prepare(&occlusion_file.onnx, &[1, 4, grid.count(), rows, width], &engine)?;
+        let photo = picture(size);
+        let threads = options.threads;
+        Ok(Self { depth_file, occlusion_file, grid, size, photo, depth, occlusion, threads })
+    }
+
+    pub(super) fn views(&self) -> [usize; 2] {
+        [self.grid.rows(), self.grid.cols()]
+    }
+
+    /// Useful operations of both nets over the whole picture; the halo of the strips does not count.
+    pub(super) fn flop(&self) -> f64 {
+        self.depth.flop() + self.occlusion.flop() * self.size[1] as f64 / self.strip_rows() as f64
+    }
+
+    /// The input shape of the depth net, and of the occlusion net over the whole picture.
+    #[cfg_attr(not(feature = "onnxruntime"), allow(dead_code, reason = "only the other engine asks"))]
+    pub(super) fn shapes(&self) -> [Vec<usize>; 2] {
+        let [width, height] = self.size;
+        [self.depth.input_shape().to_vec(), vec![1, 4, self.grid.count(), height, width]]
+    }
+
+    /// One pass, timed by stages.
+    pub(super) fn run(&self, job: &Job) -> Result<Seconds, BenchError> {
+        let input = numbers(self.depth.input_shape().iter().product());
+        let (depth, maps) = timed(|| self.depth.run(&input, job.cancel));
+        let maps = maps?;
+        let mut seconds = Seconds { depth, ..Seconds::default() };
+        let pool = pool(self.threads)?;
+        for first in self.strips() {
+            job.check()?;
+            let (warp, input) = timed(|| pool.install(|| self.warp(&maps, first)));
+            let (occlusion, answer) = timed(|| self.occlusion.run(&input, job.cancel));
+            answer?;
+            seconds.warp += warp;
+            seconds.occlusion += occlusion;
+        }
+        seconds.total = seconds.depth + seconds.warp + seconds.occlusion;
+        Ok(seconds)
+    }
+
+    fn strip_rows(&self) -> usize {
+        self.occlusion.input_shape()[3]
+    }
+
+    /// First rows of the strips.
+    fn strips(&self) -> impl Iterator<Item = usize> + use<> {
+        let (height, rows) = (self.size[1], self.strip_rows());
+        let count = if rows == height { 1 } else { (height - 2 * HALO).div_ceil(rows - 2 * HALO) };
+        (0..count).map(move |strip| (strip * (rows - 2 * HALO)).min(height - rows))
+    }
+
+    /// The occlusion net's input of one strip, `[c, v, u, y, x]`.
+    fn warp(&self, maps: &Output, first: usize) -> Vec<f32> {
+        let ([width, _], rows) = (self.size, self.strip_rows());
+        let [.., map_rows, map_columns] = *maps.shape() else { return Vec::new() };
+        let mut input = vec![0.0; 4 * self.grid.count() * rows * width];
+        let (colour, disparity) = input.split_at_mut(3 * self.grid.count() * rows * width);
+        let (red, rest) = colour.split_at_mut(self.grid.count() * rows * width);
+        let (green, blue) = rest.split_at_mut(self.grid.count() * rows * width);
+        let planes = red.par_chunks_exact_mut(width).zip(green.par_chunks_exact_mut(width));
+        let planes = planes.zip(blue.par_chunks_exact_mut(width)).zip(disparity.par_chunks_exact_mut(width));
+        planes.enumerate().for_each(|(row, (((r, g), b), d))| {
+            let (view, y) = (row / rows, first + row % rows);
+            d.copy_from_slice(&maps[(view * map_rows + y) * map_columns..][..width]);
+            let from = self.grid.offset(self.grid.view_from_layer(view));
+            render_row(&self.photo, d, y, from, |x, colour| (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z));
+        });
+        input
+    }
+}
+
+/// A picture with something in it everywhere.
+fn picture(size: [usize; 2]) -> Signed {
+    let colour = |v: &[f32]| Vec4::new(v[0], v[1], v[2], 0.0);
+    Signed { size, pixels: numbers(3 * size[0] * size[1]).chunks_exact(3).map(colour).collect() }
+}
+
+/// Repeatable numbers in −1 … 1.
+pub(super) fn numbers(n: usize) -> Vec<f32> {
+    (0..n).map(|i| ((i as u32).wrapping_mul(2_654_435_769) >> 8) as f32 / (1u32 << 23) as f32 - 1.0).collect()
+}

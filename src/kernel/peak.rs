@@ -1,0 +1,49 @@
+//! How fast this processor can multiply and add, measured: what every share of the peak is a share of.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use super::isa::{Isa, on_isa};
+use super::vector::Vector;
+
+/// Sums that are added to in turn: enough to hide the latency of a multiply-add, few enough for 16 registers.
+const CHAINS: usize = 10;
+/// Multiply-adds of each chain in one measurement: a few milliseconds.
+const ROUNDS: usize = 500_000;
+
+/// `rounds` multiply-adds in each of [`CHAINS`] chains.
+#[inline(always)]
+pub(super) unsafe fn chains<V: Vector>(rounds: usize) -> f32 {
+    // SAFETY: the processor has the instructions (caller's word); no memory is touched.
+    unsafe {
+        let (factor, summand) = (V::splat(black_box(0.999)), V::splat(black_box(1e-3)));
+        let mut sums = [V::splat(1.0); CHAINS];
+        for _ in 0..rounds {
+            for sum in &mut sums {
+                *sum = sum.mul_add(factor, summand);
+            }
+        }
+        let mut total = sums[0];
+        for sum in &sums[1..] {
+            total = total.add(*sum);
+        }
+        total.sum()
+    }
+}
+
+/// The most f32 GFLOP/s (two per multiply-add) that `threads` threads reached together in `tries` measurements.
+pub fn gflops(isa: Isa, threads: usize, tries: usize) -> f64 {
+    let flop = (2 * isa.lanes() * CHAINS * ROUNDS * threads.max(1)) as f64;
+    let once = || {
+        let started = Instant::now();
+        rayon::scope(|scope| {
+            for _ in 0..threads.max(1) {
+                scope.spawn(|_| {
+                    black_box(on_isa!(isa, multiply_add_chains(ROUNDS)));
+                });
+            }
+        });
+        flop / started.elapsed().as_secs_f64() / 1e9
+    };
+    (0..tries.max(1)).map(|_| once()).fold(0.0, f64::max)
+}
