@@ -127,7 +127,7 @@ impl App {
             events,
             loader: Worker::spawn("synth", outbox.clone(), jobs::loader(options.models, threads)),
             saver: Worker::spawn("export", outbox.clone(), export::work),
-            finisher: Worker::spawn("final", outbox.clone(), finals::work),
+            finisher: Worker::spawn("final", outbox.clone(), finals::worker()),
             asker: Worker::spawn("dialog", outbox.clone(), dialogs::work),
             folder: Worker::spawn("folder", outbox, super::neighbours::work),
             threads,
@@ -451,7 +451,10 @@ impl App {
 
     /// Asks for the picture at rest once nothing has moved for a while.
     fn rest(&mut self, ctx: &egui::Context) {
-        let Some(key) = self.key_at_rest(ctx.pixels_per_point()) else { return };
+        let Some(key) = self.key_at_rest(ctx.pixels_per_point()) else {
+            self.asked_for = None;
+            return;
+        };
         let is_there = self.at_rest.as_ref().is_some_and(|(have, _)| *have == key);
         if is_there || self.asked_for == Some(key) {
             return;
@@ -461,30 +464,27 @@ impl App {
             ctx.request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
             return;
         }
-        if let (Some(photo), Some(depths)) = (&self.document.photo, &self.document.depths) {
-            self.finisher.replace(finals::Request { key, photo: Arc::clone(photo), depths: Arc::clone(depths) });
-            self.asked_for = Some(key);
-        }
+        let Document { photo: Some(photo), field: Some(field), depths: Some(depths), .. } = &self.document else {
+            return;
+        };
+        let (photo, field, depths) = (Arc::clone(photo), Arc::clone(field), Arc::clone(depths));
+        self.finisher.replace(finals::Request { key, photo, field, depths });
+        self.asked_for = Some(key);
     }
 
     /// What the picture at rest has to show; `None` where the draft, or the photo itself, is all there is.
     pub(super) fn key_at_rest(&self, pixels_per_point: f32) -> Option<finals::Key> {
         let size = self.picture_size()?;
-        let is_possible = finals::IS_THERE
-            && self.loading.is_none()
+        let photo = self.document.photo.as_ref()?;
+        let is_possible = self.loading.is_none()
             && self.document.field.is_some()
+            && self.document.depths.is_some()
             && self.face == Face::Picture
             && self.edit.viewpoint == ViewPoint::default()
             && self.edit.lens.f_number.added_views() > 0.0;
-        if !is_possible {
-            return None;
-        }
-        let wanted = Pose::fit(self.canvas, size).max_elem() * self.pose.zoom * pixels_per_point;
-        Some(finals::Key {
-            lens: self.edit.lens,
-            long_side: finals::long_side(wanted, size.max_elem()),
-            generation: self.generation,
-        })
+        let on_screen = self.pose.screen_rect(self.canvas, size) * pixels_per_point;
+        let canvas = self.canvas * pixels_per_point;
+        is_possible.then(|| finals::Key::new(self.edit.lens, self.generation, photo.size(), on_screen, canvas))
     }
 
     fn keep_history(&mut self, ctx: &egui::Context) {

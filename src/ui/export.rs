@@ -12,10 +12,10 @@ use super::state::Edit;
 use super::widgets;
 use super::worker::{Event, JobId, Outbox};
 use super::{dialogs, theme};
-use crate::field::{LightField, Photo, RayDepths};
+use crate::field::{LightField, Photo, RayDepths, ViewPoint, fit_long_side};
 use crate::io::save::{self, Format, Keep, Origin, PictureOptions};
 use crate::job::{Cancel, Job, Progress, Sink, Stage};
-use crate::render::cpu;
+use crate::render::{cpu, lens};
 
 /// What is saved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,6 +24,18 @@ pub enum What {
     #[default]
     Picture,
     /// All views and ray depths, as a folder.
+    Views,
+}
+
+/// How large the picture is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Size {
+    /// The photo's own.
+    #[default]
+    Photo,
+    /// This long side, in pixels.
+    LongSide(u32),
+    /// The light field's, by its views.
     Views,
 }
 
@@ -43,6 +55,8 @@ pub enum Existing {
 pub struct ExportSettings {
     /// Picture or folder.
     pub what: What,
+    /// How large.
+    pub size: Size,
     /// Suffix of the picture: `png`, `jpg`, `tif` or `webp`.
     pub suffix: String,
     /// Bits of a channel, 8 or 16.
@@ -65,6 +79,7 @@ impl Default for ExportSettings {
     fn default() -> Self {
         Self {
             what: What::Picture,
+            size: Size::Photo,
             suffix: "jpg".to_owned(),
             bits: 8,
             quality: 92,
@@ -95,6 +110,19 @@ impl ExportSettings {
         match self.what {
             What::Picture => folder.join(format!("{name}.{}", self.suffix)),
             What::Views => folder.join(format!("{name}-views")),
+        }
+    }
+
+    /// Long side of a picture by the lens renderer; `None` where the views' own picture is saved: for light fields from
+    /// disk, and from viewpoints that only the views have seen.
+    fn long_side(&self, photo: Option<&Photo>, edit: &Edit) -> Option<u32> {
+        let [w, h] = photo?.size();
+        let is_centred = edit.viewpoint == ViewPoint::default();
+        match self.size {
+            _ if !is_centred => None,
+            Size::Views => None,
+            Size::Photo => Some(w.max(h)),
+            Size::LongSide(side) => Some(side.clamp(16, w.max(h))),
         }
     }
 
@@ -153,24 +181,33 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
 }
 
 fn export(request: &Request, job: &Job) -> Result<Event, String> {
-    let step = |done| job.advance(Stage::Save, done, 3).map_err(|stopped| stopped.to_string());
-    step(0)?;
+    job.advance(Stage::Save, 0, 1).map_err(|stopped| stopped.to_string())?;
     let target = match &request.target {
         Some(target) if request.settings.existing == Existing::Number => save::free_path(target),
         Some(target) => target.clone(),
         None => return Ok(Event::Copied(Arc::new(picture(request)))),
     };
     match request.settings.what {
-        What::Picture => {
-            let picture = picture(request);
-            step(1)?;
-            let options = request.settings.options(request.photo.as_deref());
-            save::picture(&target, &picture, &options).map_err(|error| sentence(&error))?;
-        }
+        What::Picture => write_picture(&target, request, job)?,
         What::Views => super::export_views::write(&target, &request.field, request.depths.as_deref(), job)?,
     }
-    step(3)?;
     Ok(Event::Saved(target))
+}
+
+/// By the lens renderer at photo size and in the photo's own colours, or by the views at theirs.
+fn write_picture(target: &Path, request: &Request, job: &Job) -> Result<(), String> {
+    let photo = request.photo.as_ref();
+    let mut options = request.settings.options(photo.map(Arc::as_ref));
+    let long_side = request.settings.long_side(photo.map(Arc::as_ref), &request.edit);
+    let (Some(photo), Some(depths), Some(long_side)) = (photo, &request.depths, long_side) else {
+        return save::picture(target, &picture(request), &options).map_err(|error| sentence(&error));
+    };
+    options.origin = Origin::in_own_space(photo);
+    save::check(target, &options).map_err(|error| sentence(&error))?;
+    let scene = super::finals::scene_of(photo, &request.field, depths).map_err(|error| sentence(&error))?;
+    let size = fit_long_side(photo.size(), long_side);
+    let pixels = lens::render_pixels(&scene, &request.edit.lens, size, request.settings.bits, job);
+    save::pixels(target, &pixels.map_err(|error| sentence(&error))?, &options).map_err(|error| sentence(&error))
 }
 
 /// The picture at light-field size, by the CPU twins.
@@ -202,7 +239,8 @@ pub fn dialog(app: &mut App, ctx: &egui::Context) -> bool {
         );
         ui.add_space(theme::GRID);
         if settings.what == What::Picture {
-            format_rows(ui, settings);
+            size_row(ui, app);
+            format_rows(ui, &mut app.settings.export);
         }
         place_rows(ui, app);
         ui.add_space(2.0 * theme::GRID);
@@ -217,6 +255,36 @@ pub fn dialog(app: &mut App, ctx: &egui::Context) -> bool {
         });
     });
     is_open && !shown.should_close()
+}
+
+fn size_row(ui: &mut egui::Ui, app: &mut App) {
+    let has_photo = app.document.photo.is_some() && app.edit.viewpoint == ViewPoint::default();
+    let views = app.document.field.as_ref().map_or([0, 0], |field| field.size());
+    let size = &mut app.settings.export.size;
+    widgets::labelled(ui, "Size", |ui| {
+        if !has_photo {
+            let text = format!("{} × {} — that of the views", views[0], views[1]);
+            ui.label(text).on_hover_text("Away from the centre only the views know the picture");
+            return;
+        }
+        let custom = if let Size::LongSide(side) = *size { side } else { 2048 };
+        let choices = [(Size::Photo, "Photo"), (Size::LongSide(custom), "Long side"), (Size::Views, "Views")];
+        widgets::segmented(ui, "Size", size, &choices);
+        match size {
+            Size::LongSide(side) => {
+                ui.add(egui::DragValue::new(side).range(16..=60_000).speed(8).suffix(" px"));
+            }
+            Size::Views => {
+                ui.weak(format!("{} × {}", views[0], views[1]));
+            }
+            Size::Photo => {
+                ui.weak(app.document.photo.as_ref().map_or(String::new(), |photo| {
+                    let [w, h] = photo.size();
+                    format!("{w} × {h}")
+                }));
+            }
+        }
+    });
 }
 
 fn format_rows(ui: &mut egui::Ui, settings: &mut ExportSettings) {

@@ -120,11 +120,19 @@ fn paint(app: &mut App, ui: &Ui, canvas: Rect, rect: Rect) {
 /// The light field through the lens: the picture at rest where it is there, the draft else.
 fn paint_field(app: &mut App, ui: &Ui, painter: &egui::Painter, rect: Rect, opacity: f32) {
     let key = app.key_at_rest(ui.ctx().pixels_per_point());
-    let is_at_rest = opacity >= 1.0 && app.at_rest.as_ref().is_some_and(|(have, _)| Some(*have) == key);
-    if is_at_rest && let Some((_, tiled)) = &mut app.at_rest {
-        tiled.paint(painter, rect);
-        return;
+    // While the hand moves the draft is drawn; the part at rest lies over it where it is what is asked for.
+    paint_draft(app, painter, rect, opacity);
+    if opacity >= 1.0
+        && let (Some((have, tiled)), Some(key)) = (&mut app.at_rest, key)
+        && have.lens == key.lens
+        && have.generation == key.generation
+    {
+        tiled.paint(painter, have.on_screen(rect));
     }
+}
+
+/// The light field through the lens, at its own size.
+fn paint_draft(app: &mut App, painter: &egui::Painter, rect: Rect, opacity: f32) {
     let edit = app.edit;
     let is_moving = app.is_moving;
     let Some(stage) = &mut app.stage else { return };
