@@ -142,6 +142,31 @@ impl App {
         app
     }
 
+    /// The lens and the viewpoint.
+    pub fn edit(&self) -> &Edit {
+        &self.edit
+    }
+
+    /// The light field, once it is complete.
+    pub fn light_field(&self) -> Option<&Arc<crate::field::LightField>> {
+        self.document.field.as_ref()
+    }
+
+    /// Whether something is being opened, made or saved.
+    pub fn is_busy(&self) -> bool {
+        self.loading.is_some() || self.saving.is_some()
+    }
+
+    /// Opens a file, as if it had been dropped.
+    pub fn open_file(&mut self, path: &std::path::Path) {
+        self.open(From::File(path.to_owned()));
+    }
+
+    /// Where exports go.
+    pub fn set_export_folder(&mut self, folder: &std::path::Path) {
+        self.settings.export.folder = Some(folder.to_owned());
+    }
+
     /// Opens a file; what is open stays usable until the new one is there.
     pub(super) fn open(&mut self, from: From) {
         self.is_again = matches!(from, From::Again(_));
@@ -260,6 +285,9 @@ impl App {
     }
 
     fn stop(&mut self) {
+        if self.dialog.take().is_some() {
+            return;
+        }
         if self.loading.is_some() {
             self.loader.stop();
         } else if self.saving.is_some() {
@@ -476,8 +504,7 @@ impl App {
     pub(super) fn key_at_rest(&self, pixels_per_point: f32) -> Option<finals::Key> {
         let size = self.picture_size()?;
         let photo = self.document.photo.as_ref()?;
-        let is_possible = self.loading.is_none()
-            && self.document.field.is_some()
+        let is_possible = self.document.field.is_some()
             && self.document.depths.is_some()
             && self.face == Face::Picture
             && self.edit.viewpoint == ViewPoint::default()
@@ -511,7 +538,7 @@ impl App {
         for file in ctx.input(|input| input.raw.dropped_files.clone()).iter().take(1) {
             self.open(From::File(file.path().to_owned()));
         }
-        if ctx.egui_wants_keyboard_input() {
+        if ctx.text_edit_focused() {
             return;
         }
         let events = ctx.input(|input| input.events.clone());

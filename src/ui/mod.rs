@@ -26,6 +26,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use app::App;
+pub use state::Edit;
 
 use crate::synth::ModelSource;
 

@@ -15,7 +15,7 @@ const FADE_SECS: f32 = 0.15;
 pub fn show(app: &mut App, ui: &mut Ui, canvas: Rect) {
     let Some(size) = app.picture_size() else { return };
     let response = ui.interact(canvas, ui.scope_id().with("canvas"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture canvas"));
     move_picture(app, ui, &response, canvas, size);
     look_and_focus(app, ui, &response, canvas, size);
     let rect = app.pose.screen_rect(canvas, size);

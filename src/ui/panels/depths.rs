@@ -17,7 +17,7 @@ pub fn show(app: &mut App, ui: &mut Ui, area: Rect) {
         return;
     };
     let response = ui.interact(area, ui.scope_id().with("depths"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Ray depths"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Ray depths canvas"));
     canvas::move_picture(app, ui, &response, area, size);
     let rect = app.pose.screen_rect(area, size);
     canvas::probe(app, &response, rect);

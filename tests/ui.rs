@@ -1,0 +1,181 @@
+//! The window's main walk, without a display: open the sample, get a light field, look round, focus, export.
+//!
+//! Needs a device (a software Vulkan is enough). Without one the tests say so and pass; with `PLENOSCOPE_NEED_GPU` set
+//! they fail.
+
+#![cfg(feature = "ui")]
+
+use std::time::Duration;
+
+use egui::{Event, Modifiers, PointerButton, Pos2, pos2, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use plenoscope::field::ViewPoint;
+use plenoscope::synth::ModelSource;
+use plenoscope::ui::{App, Options};
+
+/// Frames after which a job must have ended; each waits a little, so this is minutes on a slow machine.
+const MANY_FRAMES: usize = 20_000;
+
+fn has_device() -> bool {
+    let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
+    if adapter.is_err() {
+        assert!(std::env::var_os("PLENOSCOPE_NEED_GPU").is_none(), "no device, and PLENOSCOPE_NEED_GPU is set");
+        eprintln!("SKIPPED: no device here; install a Vulkan driver (mesa-vulkan-drivers) to test the window");
+    }
+    adapter.is_ok()
+}
+
+fn window(size: [f32; 2]) -> Harness<'static, App> {
+    let options = Options {
+        files: Vec::new(),
+        models: ModelSource::Embedded,
+        long_side: Some(120),
+        threads: 1,
+        restores_last: false,
+    };
+    Harness::builder()
+        .with_size(vec2(size[0], size[1]))
+        .with_max_steps(16)
+        .wgpu()
+        .build_eframe(move |creation| App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), None))
+}
+
+/// Steps until something holds; returns the frames that went by.
+fn wait(harness: &mut Harness<'static, App>, what: &str, holds: impl Fn(&App) -> bool) -> usize {
+    for frame in 0..MANY_FRAMES {
+        harness.step();
+        if holds(harness.state()) {
+            return frame;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    panic!("{what}: not within {MANY_FRAMES} frames");
+}
+
+fn button(harness: &Harness<'static, App>, pos: Pos2, pressed: bool) {
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+    harness.event(Event::PointerButton { pos, button, pressed, modifiers });
+}
+
+fn with_sample(size: [f32; 2]) -> Harness<'static, App> {
+    let mut harness = window(size);
+    harness.step();
+    harness.get_by_label("Try the sample").click();
+    let frames = wait(&mut harness, "the sample's light field", |app| app.light_field().is_some() && !app.is_busy());
+    assert!(frames > 2, "the window went on drawing while the light field was made, not {frames} frames");
+    for _ in 0..80 {
+        harness.step();
+    }
+    harness
+}
+
+#[test]
+fn the_main_walk() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = with_sample([1200.0, 800.0]);
+
+    // Dragging the picture moves the eye, against the hand.
+    let from = harness.get_by_label("Picture canvas").rect().center();
+    harness.hover_at(from);
+    harness.step();
+    button(&harness, from, true);
+    harness.step();
+    for step in 1..=6 {
+        harness.hover_at(from + vec2(10.0 * step as f32, 0.0));
+        harness.step();
+    }
+    button(&harness, from + vec2(60.0, 0.0), false);
+    harness.step();
+    let eye = harness.state().edit().viewpoint.0;
+    assert!(eye.du < -0.2 && eye.dv.abs() < 1e-3, "the eye moved to {eye:?}");
+
+    // A click focuses on what is there.
+    let before = harness.state().edit().lens.focus.disparity_px;
+    let at = pos2(from.x, from.y + 200.0);
+    harness.hover_at(at);
+    harness.step();
+    button(&harness, at, true);
+    harness.step();
+    button(&harness, at, false);
+    harness.step();
+    assert_ne!(harness.state().edit().lens.focus.disparity_px, before, "the click focused");
+
+    // Undo takes the edits back once they have settled; Home centres the eye.
+    harness.key_press(egui::Key::Home);
+    harness.step();
+    assert_eq!(harness.state().edit().viewpoint, ViewPoint::default());
+
+    // Export through the dialog.
+    let folder = tempfile::tempdir().expect("a folder to export into");
+    harness.state_mut().set_export_folder(folder.path());
+    harness.get_by_label("Export…").click();
+    harness.step();
+    harness.step();
+    harness.get_by_label("Export").click();
+    harness.step();
+    wait(&mut harness, "the export", |app| !app.is_busy());
+    let files: Vec<_> = std::fs::read_dir(folder.path()).expect("the folder is there").flatten().collect();
+    assert_eq!(files.len(), 1, "one file and nothing aside: {files:?}");
+    let picture = image::open(files[0].path()).expect("the export is a picture");
+    assert_eq!((picture.width(), picture.height()), (1200, 800), "it has the photo's size");
+}
+
+#[test]
+fn views_depths_and_keys() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = with_sample([1200.0, 800.0]);
+    harness.get_by_label("Views").click();
+    harness.step();
+    harness.step();
+    assert!(harness.query_all_by_label("View 0, 7").count() >= 1, "all views are shown");
+    harness.query_all_by_label("View 0, 7").next().expect("the corner view").click();
+    harness.step();
+    harness.step();
+    let eye = harness.state().edit().viewpoint.0;
+    assert_eq!((eye.dv, eye.du), (-4.0, 3.0));
+    harness.key_press(egui::Key::ArrowDown);
+    harness.step();
+    assert_eq!(harness.state().edit().viewpoint.0.dv, -3.0);
+    harness.key_press(egui::Key::D);
+    harness.step();
+    harness.step();
+    assert!(harness.query_by_label("Ray depths canvas").is_some(), "D shows the ray depths");
+    harness.key_press(egui::Key::F1);
+    harness.step();
+    harness.step();
+    assert!(harness.query_by_label("Shortcuts").is_some(), "F1 shows the sheet");
+}
+
+#[test]
+fn a_broken_file_leaves_the_picture() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = with_sample([1000.0, 700.0]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("broken.jpg");
+    std::fs::write(&path, b"no picture at all").expect("written");
+    harness.state_mut().open_file(&path);
+    wait(&mut harness, "the refusal", |app| !app.is_busy());
+    harness.step();
+    assert!(harness.state().light_field().is_some(), "the picture that was there stays");
+    assert!(harness.query_by_label("Details").is_some(), "a toast says what happened");
+}
+
+#[test]
+fn a_narrow_window_folds() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = with_sample([800.0, 600.0]);
+    assert!(harness.query_by_label("Aperture slider").is_none(), "the inspector is a drawer");
+    harness.get_by_label("Inspector").click();
+    harness.step();
+    harness.step();
+    assert!(harness.query_by_label("Aperture slider").is_some(), "and opens");
+}
