@@ -12,16 +12,19 @@
 //! * [`kernel`]: the direct convolution that inference and training share.
 //! * [`bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
+//! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation.
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
+pub mod batch;
 pub mod bench;
 pub mod field;
 pub mod io;
 pub mod job;
 pub mod kernel;
+pub mod recipe;
 pub mod render;
 pub mod synth;
 #[cfg(feature = "ui")]

@@ -2,6 +2,7 @@
 //!
 //! [`atomic`] is how every file of this program is written.
 
+mod animation;
 mod atomic;
 mod encode;
 mod exif;
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::field::{Metadata, Photo, Transfer};
 use crate::render::Picture;
 
+pub use animation::{AnimationOptions, animation};
 pub use atomic::{atomic, free_path, same_file};
 pub use encode::encode;
 
@@ -41,6 +43,9 @@ pub enum SaveError {
     /// The extension names no format that is known here.
     #[error("the picture cannot be saved: its name does not end in .png, .jpg, .tif or .webp: {}", .0.display())]
     Extension(PathBuf),
+    /// The extension names no animation.
+    #[error("the animation cannot be saved: its name does not end in .gif, .png or .apng: {}", .0.display())]
+    Animation(PathBuf),
     /// The picture does not fit the format.
     #[error("the picture cannot be saved: {why}: {}", .path.display())]
     Encode {

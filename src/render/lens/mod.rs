@@ -15,6 +15,7 @@ mod light;
 mod peaking;
 mod reveal;
 mod sample;
+mod stack;
 mod surfaces;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ pub use behind::Revealed;
 pub use light::Space;
 pub use peaking::peaking;
 pub use reveal::revealed;
+pub use stack::{Motion, circle, focal_planes, lenses};
 pub use tile::Region;
 
 /// Why a picture could not be refocused.
