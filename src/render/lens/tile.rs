@@ -175,15 +175,12 @@ fn send_pixel(slices: &mut Slices, optics: &Optics, at: Place, color: [f32; 3], 
     }
     if !mixed {
         slices.send(at.tile, near, one(color_of(near), 1.0));
-        if let Some(hidden) = hidden
-            && hidden.distance_px <= near.abs().max(far.abs()) / 2.0 + 3.0
-        {
-            let share = hidden.share * apart;
-            slices.send(
-                at.tile,
-                far,
-                one(recovered(hidden.rgb, optics.lens.highlights, far).map(|v| v * share), share),
-            );
+        if let Some(hidden) = hidden {
+            let reach = near.abs().max(far.abs()) / 2.0 + 1.5;
+            // It ends softly, as what is before it may not cover it to the last per cent.
+            let share = hidden.share * apart * (1.0 - ramp(reach, 1.5 * reach + 4.0, hidden.distance_px));
+            let light = recovered(hidden.rgb, optics.lens.highlights, far).map(|v| v * share);
+            slices.send(at.tile, far, one(light, share));
         }
         return;
     }
@@ -291,7 +288,7 @@ impl Spread {
                 if cover <= 1e-5 {
                     continue;
                 }
-                let share = cover.min(pixel[3]);
+                let share = closed(cover).min(pixel[3]);
                 let part = share / cover;
                 for c in 0..3 {
                     pixel[c] += part * (sum[c] + still[c]).max(0.0);
@@ -300,6 +297,13 @@ impl Spread {
             }
         }
     }
+}
+
+/// Coverage with its last per cent closed: a surface whose blur changes from place to place spreads a little unevenly,
+/// and a bright background would show through a dark one.
+#[inline(always)]
+fn closed(cover: f32) -> f32 {
+    if cover < 0.8 { cover } else { (cover + 0.015 * ((cover - 0.8) * 10.0).min(1.0)).min(1.0) }
 }
 
 #[inline(always)]
