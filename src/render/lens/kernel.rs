@@ -41,14 +41,21 @@ impl Span {
 pub struct Kernel {
     /// The spans.
     pub spans: Vec<Span>,
+    /// Columns that the spans reach, with the one after the last.
+    pub reach: i32,
 }
 
 impl Kernel {
+    fn of(spans: Vec<Span>) -> Self {
+        let reach = spans.iter().map(|span| (-span.begin.0).max(span.end.0 + 1)).max().unwrap_or(0);
+        Self { spans, reach }
+    }
+
     /// A disc of any diameter: each row has the width that the disc has there on average.
     pub fn disc(diameter_px: f32) -> Self {
         let mut spans = Vec::new();
         push_disc(&mut spans, diameter_px / 2.0, 1.0 / (PI * (diameter_px / 2.0).powi(2)));
-        Self { spans }
+        Self::of(spans)
     }
 
     /// The lens's shape at a diameter; `flipped` for points beyond the focal plane, whose picture stands on its head.
@@ -82,7 +89,7 @@ impl Kernel {
         } else {
             return Self::disc(radius * 2.0);
         }
-        Self { spans }
+        Self::of(spans)
     }
 
     /// A convex opening by its corners.
@@ -105,9 +112,14 @@ impl Kernel {
             spans.push((dy, left, right, share));
         }
         if area <= 0.0 {
-            return Self { spans: vec![Span::new(0, -0.5, 0.5, 1.0)] };
+            return Self::point();
         }
-        Self { spans: spans.into_iter().map(|(dy, l, r, share)| Span::new(dy, l, r, share / area)).collect() }
+        Self::of(spans.into_iter().map(|(dy, l, r, share)| Span::new(dy, l, r, share / area)).collect())
+    }
+
+    /// No blur.
+    fn point() -> Self {
+        Self::of(vec![Span::new(0, -0.5, 0.5, 1.0)])
     }
 }
 
@@ -238,11 +250,7 @@ impl Kernels {
             let diagonal = self.size[0].hypot(self.size[1]);
             let place = [middle(px, self.size[0] / diagonal), middle(py, self.size[1] / diagonal)];
             let diameter = diameter_at(index);
-            if diameter < 0.05 {
-                Kernel { spans: vec![Span::new(0, -0.5, 0.5, 1.0)] }
-            } else {
-                Kernel::new(self.shape, diameter, flipped, place)
-            }
+            if diameter < 0.05 { Kernel::point() } else { Kernel::new(self.shape, diameter, flipped, place) }
         })
     }
 }

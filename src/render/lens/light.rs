@@ -58,8 +58,18 @@ impl Light {
     pub(super) fn row(&self, x: i32, y: i32, out: &mut [[f32; 3]]) {
         let [width, height] = self.size().map(|s| s as i32);
         let y = y.clamp(0, height - 1) as usize;
-        for (i, pixel) in out.iter_mut().enumerate() {
-            *pixel = self.at((x + i as i32).clamp(0, width - 1) as usize, y);
+        let columns = (x..).map(|x| x.clamp(0, width - 1) as usize);
+        let start = y * width as usize;
+        match self {
+            Self::Eight { px, transfer, .. } => out.iter_mut().zip(columns).for_each(|(pixel, x)| {
+                let at = (start + x) * 4;
+                *pixel = std::array::from_fn(|c| transfer.linear_from_8(c, px[at + c]));
+            }),
+            Self::Sixteen { px, transfer, .. } => out.iter_mut().zip(columns).for_each(|(pixel, x)| {
+                let at = (start + x) * 4;
+                *pixel = std::array::from_fn(|c| transfer.linear_from_16(c, px[at + c]));
+            }),
+            Self::Linear { px, .. } => out.iter_mut().zip(columns).for_each(|(pixel, x)| *pixel = px[start + x]),
         }
     }
 

@@ -7,7 +7,7 @@
 
 use super::Prepared;
 use super::behind::Hidden;
-use super::kernel::{Kernels, index_of};
+use super::kernel::{Kernel, Kernels, index_of};
 use super::sample::ramp;
 use super::surfaces::Seen;
 use crate::field::Lens;
@@ -251,7 +251,8 @@ impl Spread {
             return;
         }
         let [px, py] = [region.at[0] as i32 + x, region.at[1] as i32 + y];
-        let spans = &optics.kernels.get(ray.kernel.into(), ray.flipped, px, py).spans;
+        let Kernel { spans, reach } = optics.kernels.get(ray.kernel.into(), ray.flipped, px, py);
+        let reach = *reach;
         let from = spans.partition_point(|span| span.dy < -y);
         let to = spans.partition_point(|span| span.dy < height - y);
         let (Some(first), Some(last)) = (spans.get(from), spans[..to].last()) else { return };
@@ -260,9 +261,16 @@ impl Spread {
         }
         self.reached((first.dy + y) as usize, (last.dy + y) as usize);
         let wide = self.size[0] + 2;
+        let top = (first.dy + y) as usize * wide;
+        let inside = x >= reach && x + reach < width;
         for span in &spans[from..to] {
-            let start = (span.dy + y) as usize * wide;
+            let start = top + (span.dy - first.dy) as usize * wide;
             let row = &mut self.steps[start..start + wide];
+            if inside {
+                step(row, (span.begin.0 + x) as usize, &ray.light, span.begin.1);
+                step(row, (span.end.0 + x) as usize, &ray.light, span.end.1.map(|p| -p));
+                continue;
+            }
             let column = |at: i32| (at + x).clamp(0, width + 1) as usize;
             let (at, parts) = span.begin;
             add(&mut row[column(at)], &ray.light, parts[0]);
@@ -304,6 +312,15 @@ impl Spread {
 #[inline(always)]
 fn closed(cover: f32) -> f32 {
     if cover < 0.8 { cover } else { (cover + 0.015 * ((cover - 0.8) * 10.0).min(1.0)).min(1.0) }
+}
+
+/// Two neighbouring steps of a row at once.
+#[inline(always)]
+fn step(row: &mut [[f32; 4]], at: usize, light: &[f32; 4], parts: [f32; 2]) {
+    if let Some([a, b]) = row[at..].first_chunk_mut::<2>() {
+        add(a, light, parts[0]);
+        add(b, light, parts[1]);
+    }
 }
 
 #[inline(always)]
