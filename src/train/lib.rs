@@ -1,4 +1,21 @@
-//! Trains Plenoscope's nets: data engine, losses, loop, evaluation, export.
+//! Trains Plenoscope's nets: data engine, nets, losses, training loop, evaluation, export.
 
+pub mod batch;
+pub mod bench;
+pub mod checkpoint;
+pub mod config;
+pub mod data;
+mod error;
 pub mod eval;
+pub mod export;
+pub mod loss;
+pub mod nets;
+pub mod ops;
+pub mod optimizer;
+pub mod rng;
+pub mod run;
 pub mod scenes;
+pub mod step;
+pub mod warp;
+
+pub use error::TrainError;

@@ -1,2 +1,146 @@
-#![allow(missing_docs)]
-fn main() {}
+//! `plenoscope-train`: trains, evaluates and exports Plenoscope's nets.
+
+#![allow(clippy::print_stdout, reason = "a command line prints its results")]
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context as _, Result};
+use clap::{ArgMatches, Args as _, Command, arg, value_parser};
+use plenoscope_train::checkpoint::{Checkpoint, Moments};
+use plenoscope_train::config::Config;
+use plenoscope_train::export::{self, About};
+use plenoscope_train::{bench, data, run};
+
+fn main() -> ExitCode {
+    let matches = command().get_matches();
+    let done = match matches.subcommand() {
+        Some(("train", matches)) => train(matches),
+        Some(("export", matches)) => export(matches),
+        Some(("bench", matches)) => bench(matches),
+        _ => Ok(()),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command() -> Command {
+    let resume = arg!(--resume <RUN> "Go on with the run in this folder; its config is the base")
+        .required(false)
+        .value_parser(value_parser!(PathBuf));
+    Command::new("plenoscope-train")
+        .about("Trains, evaluates and exports Plenoscope's nets")
+        .version(env!("CARGO_PKG_VERSION"))
+        .subcommand_required(true)
+        .subcommand(Config::augment_args(Command::new("train").about("Train a net, or go on with a run")).arg(resume))
+        .subcommand(export_command())
+        .subcommand(bench_command())
+}
+
+fn export_command() -> Command {
+    Command::new("export")
+        .about("Write a checkpoint as models/<ID>/model.onnx with its manifest")
+        .arg(arg!(<CHECKPOINT> "A .safetensors file of a run").value_parser(value_parser!(PathBuf)))
+        .arg(arg!(--id <ID> "Name of the model and of its folder").required(true))
+        .arg(arg!(--models <DIR> "Where models lie").value_parser(value_parser!(PathBuf)).default_value("models"))
+        .arg(arg!(--licence <TEXT> "Licence of the weights").default_value("research use: see the model card"))
+        .arg(
+            arg!(--"training-data" <TEXT> "What it was trained on, comma-separated")
+                .value_delimiter(',')
+                .required(true),
+        )
+        .arg(arg!(--"long-side" <PX> "Working long side").value_parser(value_parser!(usize)).required(true))
+        .arg(
+            arg!(--checkpoint <FILE> "Also save a checkpoint with moments at half precision, to resume from")
+                .required(false)
+                .value_parser(value_parser!(PathBuf)),
+        )
+}
+
+fn bench_command() -> Command {
+    Config::augment_args(Command::new("bench").about("Time a step and its share of the machine's peak"))
+        .arg(arg!(--json "One JSON object on stdout"))
+}
+
+fn train(matches: &ArgMatches) -> Result<()> {
+    let resume = matches.get_one::<PathBuf>("resume");
+    let base = resume.map(|folder| saved_config(folder)).transpose()?;
+    let mut config = Config::from_matches(matches, base)?;
+    if let Some(folder) = resume {
+        config.out.clone_from(folder);
+    }
+    threads(&config)?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let nets = match resume {
+        Some(folder) => run::Nets::resume(&config, folder)?,
+        None => run::Nets::start(&config)?,
+    };
+    let draw = data::draw(&config)?;
+    run::train(&config, nets, &draw, &stop)?;
+    Ok(())
+}
+
+/// The argument of a name that clap has made sure of.
+fn required<T: Clone + Send + Sync + 'static>(matches: &ArgMatches, name: &str) -> Result<T> {
+    matches.get_one::<T>(name).cloned().with_context(|| format!("{name} is missing"))
+}
+
+fn export(matches: &ArgMatches) -> Result<()> {
+    let net = Checkpoint::load(&required::<PathBuf>(matches, "CHECKPOINT")?)?;
+    let about = About {
+        id: required(matches, "id")?,
+        licence: required(matches, "licence")?,
+        training_data: matches.get_many::<String>("training-data").into_iter().flatten().cloned().collect(),
+        working_long_side: required(matches, "long-side")?,
+    };
+    let (folder, difference) = export::export(&net, &about, &required::<PathBuf>(matches, "models")?)?;
+    if let Some(path) = matches.get_one::<PathBuf>("checkpoint") {
+        net.save(path, Moments::Half)?;
+    }
+    eprintln!("{} (differs from the trained net by at most {difference:.1e})", folder.display());
+    Ok(())
+}
+
+fn bench(matches: &ArgMatches) -> Result<()> {
+    let config = Config::from_matches(matches, None)?;
+    threads(&config)?;
+    let measured = bench::measure(&config)?;
+    if matches.get_flag("json") {
+        println!("{}", serde_json::json!({ "steps": measured }));
+        return Ok(());
+    }
+    for m in measured {
+        println!(
+            "{}: {:.3} s, {:.1} GFLOP, {:.0} GFLOP/s = {:.0} % of {:.0} on {} threads",
+            m.what,
+            m.seconds,
+            m.gflop,
+            m.gflop / m.seconds,
+            100.0 * m.share_of_peak,
+            m.peak_gflops,
+            m.threads
+        );
+    }
+    Ok(())
+}
+
+fn threads(config: &Config) -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(config.threads).thread_name(|i| format!("train-{i}"));
+    Ok(pool.build_global()?)
+}
+
+fn saved_config(folder: &std::path::Path) -> Result<Config> {
+    let path = folder.join(run::CONFIG_FILE);
+    let text =
+        std::fs::read_to_string(&path).with_context(|| format!("cannot read the run's config: {}", path.display()))?;
+    serde_json::from_str(&text).with_context(|| format!("the run's config is damaged: {}", path.display()))
+}

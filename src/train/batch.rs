@@ -1,0 +1,156 @@
+//! Batches, and the threads that make them ahead of the trainer.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::thread::{Builder, JoinHandle};
+
+use crate::TrainError;
+use crate::loss::Maps;
+
+/// Samples of one size and one set of views.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Sizes; `views[0]` is the reference view.
+    pub maps: Maps,
+    /// Number of the first sample in the data engine's order.
+    pub first_sample: u64,
+    /// The views `[n, v, 3, h, w]`, sRGB 0 … 1.
+    pub views: Vec<f32>,
+    /// True ray depths `[n, v, h, w]`, NaN where unknown.
+    pub truth: Vec<f32>,
+    /// Where each crop lies in its picture, which runs from −1 to 1: y of first and last row, x of first and last column.
+    pub yx: Vec<[f32; 4]>,
+}
+
+impl Batch {
+    /// The reference views `[n, 3, h, w]`.
+    pub fn photos(&self) -> Vec<f32> {
+        let (one, all) = (3 * self.maps.plane(), 3 * self.maps.plane() * self.maps.views.len());
+        self.views.chunks(all).flat_map(|views| &views[..one]).copied().collect()
+    }
+
+    /// What the depth net is given: `[n, 3 or 5, h, w]`, colours in −1 … 1, then y and x in −1 … 1 over the whole picture.
+    pub fn net_input(&self, coordinates: bool) -> Vec<f32> {
+        let (w, h, p) = (self.maps.width, self.maps.height, self.maps.plane());
+        let mut input = Vec::with_capacity(self.maps.samples * 5 * p);
+        for (photo, [top, bottom, left, right]) in self.photos().chunks(3 * p).zip(&self.yx) {
+            input.extend(photo.iter().map(|v| 2.0 * v - 1.0));
+            if coordinates {
+                input.extend((0..p).map(|i| along(i / w, h, *top, *bottom)));
+                input.extend((0..p).map(|i| along(i % w, w, *left, *right)));
+            }
+        }
+        input
+    }
+}
+
+/// The coordinate of pixel `i` of `n`, the first having `start` and the last `end`.
+fn along(i: usize, n: usize, start: f32, end: f32) -> f32 {
+    start + (end - start) * i as f32 / (n - 1).max(1) as f32
+}
+
+/// Makes the batch of a number. The same number gives the same batch, whichever thread asks.
+pub type Draw = Arc<dyn Fn(u64) -> Result<Batch, TrainError> + Send + Sync>;
+
+/// Threads that make batches ahead, handed out in order.
+pub struct Loader {
+    receiver: Option<Receiver<(u64, Result<Batch, TrainError>)>>,
+    early: BTreeMap<u64, Result<Batch, TrainError>>,
+    next: u64,
+    stop: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+/// Batches that wait for the trainer, at most.
+const AHEAD: usize = 4;
+
+impl Loader {
+    /// Starts `threads` threads at batch number `first`.
+    pub fn new(draw: &Draw, first: u64, threads: usize) -> Result<Self, TrainError> {
+        let (sender, receiver) = sync_channel(AHEAD);
+        let (counter, stop) = (Arc::new(AtomicU64::new(first)), Arc::new(AtomicBool::new(false)));
+        let mut handles = Vec::new();
+        for i in 0..threads.max(1) {
+            let (sender, counter, stop, draw) = (sender.clone(), counter.clone(), stop.clone(), draw.clone());
+            let work = move || {
+                while !stop.load(Ordering::Relaxed) {
+                    let number = counter.fetch_add(1, Ordering::Relaxed);
+                    if sender.send((number, draw(number))).is_err() {
+                        break;
+                    }
+                }
+            };
+            let handle = Builder::new().name(format!("loader-{i}")).spawn(work);
+            handles.push(handle.map_err(|e| TrainError::Data { why: e.to_string() })?);
+        }
+        Ok(Self { receiver: Some(receiver), early: BTreeMap::new(), next: first, stop, threads: handles })
+    }
+
+    /// The next batch in order; waits for it if it must.
+    pub fn next_batch(&mut self) -> Result<Batch, TrainError> {
+        loop {
+            if let Some(batch) = self.early.remove(&self.next) {
+                self.next += 1;
+                return batch;
+            }
+            let received = self.receiver.as_ref().and_then(|r| r.recv().ok());
+            let (number, batch) = received.ok_or_else(|| TrainError::Data { why: "its threads ended".into() })?;
+            self.early.insert(number, batch);
+        }
+    }
+}
+
+impl Drop for Loader {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        // Closing the channel wakes the threads that wait to hand over.
+        self.receiver = None;
+        for thread in self.threads.drain(..) {
+            // A loader that panicked has said so; there is nothing left to do for it.
+            drop(thread.join());
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::nets::REFERENCE;
+    use crate::rng::Rng;
+
+    /// Small random batches with true depths that follow the picture's brightness.
+    pub(crate) fn toy(samples: usize, size: (usize, usize)) -> Draw {
+        Arc::new(move |number| {
+            let maps = Maps { samples, views: vec![REFERENCE, 0, 37], height: size.1, width: size.0 };
+            let mut rng = Rng::new(5, number);
+            let views: Vec<f32> = (0..3 * maps.len()).map(|_| rng.unit()).collect();
+            let truth =
+                (0..maps.len()).map(|i| views[i / maps.plane() * 3 * maps.plane() + i % maps.plane()] - 0.5).collect();
+            Ok(Batch {
+                first_sample: number * samples as u64,
+                views,
+                truth,
+                yx: vec![[-1.0, 1.0, -1.0, 1.0]; samples],
+                maps,
+            })
+        })
+    }
+
+    #[test]
+    fn batches_come_in_order_whichever_thread_made_them() {
+        let draw = toy(1, (4, 4));
+        let mut loader = Loader::new(&draw, 3, 3).unwrap();
+        for number in 3..20 {
+            assert_eq!(loader.next_batch().unwrap(), draw(number).unwrap());
+        }
+    }
+
+    #[test]
+    fn coordinates_run_from_minus_one_to_one() {
+        let input = toy(1, (4, 2))(0).unwrap().net_input(true);
+        assert_eq!(input[24..32], [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
+        assert_eq!((input[32], input[35], input[36]), (-1.0, 1.0, -1.0));
+    }
+}

@@ -1,0 +1,206 @@
+//! Checkpoints: weights, moments and where the run stands, in one `.safetensors` file (a JSON header, then raw arrays).
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::TrainError;
+use crate::nets::{Arch, Tensor32, Weights};
+use crate::optimizer::AdamW;
+
+/// Where a run stands. Data and seeds are functions of the step, so that this is all a run needs to go on exactly.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Progress {
+    /// Steps done.
+    pub step: u64,
+    /// Samples seen.
+    pub samples: u64,
+    /// Seconds of training so far.
+    pub secs: f64,
+}
+
+/// A net in training.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Which net.
+    pub arch: Arch,
+    /// Its weights.
+    pub weights: Weights,
+    /// The optimiser's state.
+    pub adam: AdamW,
+    /// Where the run stands.
+    pub progress: Progress,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Entry {
+    dtype: String,
+    shape: Vec<usize>,
+    data_offsets: [usize; 2],
+}
+
+/// How moments are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moments {
+    /// As they are: the run goes on exactly.
+    Exact,
+    /// As bf16: half the file, the run goes on to within rounding.
+    Half,
+}
+
+impl Checkpoint {
+    /// A net at the start of a run.
+    pub fn new(arch: Arch, seed: u64) -> Self {
+        let weights = Weights::random(&arch.graph(), seed);
+        Self { arch, adam: AdamW::new(&weights), weights, progress: Progress::default() }
+    }
+
+    /// Writes the file aside, then renames it: an earlier checkpoint stays whole if this fails.
+    pub fn save(&self, path: &Path, moments: Moments) -> Result<(), TrainError> {
+        let failed = |source| TrainError::File { action: "write the checkpoint", source, path: path.to_owned() };
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
+        file.write_all(&self.encode(moments)).map_err(failed)?;
+        file.as_file().sync_all().map_err(failed)?;
+        file.persist(path).map_err(|e| failed(e.error))?;
+        Ok(())
+    }
+
+    /// Reads a file that [`save`](Self::save) wrote.
+    pub fn load(path: &Path) -> Result<Self, TrainError> {
+        let bytes = std::fs::read(path).map_err(|source| TrainError::File {
+            action: "read the checkpoint",
+            source,
+            path: path.to_owned(),
+        })?;
+        let checkpoint = Self::decode(&bytes).ok_or_else(|| TrainError::Checkpoint {
+            why: "its header or its arrays are damaged".into(),
+            path: path.to_owned(),
+        })?;
+        checkpoint.weights.check(&checkpoint.arch.graph())?;
+        Ok(checkpoint)
+    }
+
+    fn encode(&self, moments: Moments) -> Vec<u8> {
+        let (mut header, mut data) = (BTreeMap::new(), Vec::new());
+        let mut put = |name: String, shape: &[usize], values: &[f32], half: bool| {
+            let start = data.len();
+            for v in values {
+                if half {
+                    // Round to nearest: bf16 is the upper half of an f32.
+                    data.extend((((v.to_bits() + 0x8000) >> 16) as u16).to_le_bytes());
+                } else {
+                    data.extend(v.to_le_bytes());
+                }
+            }
+            let dtype = if half { "BF16" } else { "F32" }.to_owned();
+            header.insert(
+                name,
+                serde_json::json!(Entry { dtype, shape: shape.to_vec(), data_offsets: [start, data.len()] }),
+            );
+        };
+        for (i, tensor) in self.weights.tensors.iter().enumerate() {
+            put(tensor.name.clone(), &tensor.shape, &tensor.values, false);
+            if tensor.trained {
+                put(
+                    format!("adam.first.{}", tensor.name),
+                    &tensor.shape,
+                    &self.adam.first[i],
+                    moments == Moments::Half,
+                );
+                put(
+                    format!("adam.second.{}", tensor.name),
+                    &tensor.shape,
+                    &self.adam.second[i],
+                    moments == Moments::Half,
+                );
+            }
+        }
+        let text = |value: serde_json::Value| serde_json::Value::String(value.to_string());
+        let metadata = serde_json::json!({
+            "arch": self.arch.name(),
+            "progress": text(serde_json::json!(self.progress)),
+            "adam_steps": text(serde_json::json!(self.adam.steps)),
+        });
+        header.insert("__metadata__".to_owned(), metadata);
+        let header = serde_json::json!(header).to_string();
+        let mut file = (header.len() as u64).to_le_bytes().to_vec();
+        file.extend(header.as_bytes());
+        file.extend(data);
+        file
+    }
+
+    fn decode(bytes: &[u8]) -> Option<Self> {
+        let length = usize::try_from(u64::from_le_bytes(bytes.get(..8)?.try_into().ok()?)).ok()?;
+        let header: serde_json::Value = serde_json::from_slice(bytes.get(8..length.checked_add(8)?)?).ok()?;
+        let data = bytes.get(8 + length..)?;
+        let metadata = header.get("__metadata__")?;
+        let text = |key: &str| metadata.get(key)?.as_str();
+        let arch: Arch = serde_json::from_value(metadata.get("arch")?.clone()).ok()?;
+        let read = |name: &str| -> Option<Vec<f32>> {
+            let entry: Entry = serde_json::from_value(header.get(name)?.clone()).ok()?;
+            let raw = data.get(entry.data_offsets[0]..entry.data_offsets[1])?;
+            Some(match entry.dtype.as_str() {
+                "F32" => raw.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect(),
+                "BF16" => raw
+                    .chunks_exact(2)
+                    .map(|b| f32::from_bits(u32::from(u16::from_le_bytes([b[0], b[1]])) << 16))
+                    .collect(),
+                _ => return None,
+            })
+        };
+        let mut weights = Weights::random(&arch.graph(), 0);
+        let mut adam = AdamW::new(&weights);
+        for (i, tensor) in weights.tensors.iter_mut().enumerate() {
+            load_into(tensor, read(&tensor.name)?)?;
+            if tensor.trained {
+                adam.first[i] =
+                    read(&format!("adam.first.{}", tensor.name)).filter(|v| v.len() == tensor.values.len())?;
+                adam.second[i] =
+                    read(&format!("adam.second.{}", tensor.name)).filter(|v| v.len() == tensor.values.len())?;
+            }
+        }
+        adam.steps = serde_json::from_str(text("adam_steps")?).ok()?;
+        Some(Self { arch, weights, adam, progress: serde_json::from_str(text("progress")?).ok()? })
+    }
+}
+
+fn load_into(tensor: &mut Tensor32, values: Vec<f32>) -> Option<()> {
+    if values.len() != tensor.values.len() {
+        return None;
+    }
+    tensor.values = values;
+    Some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_checkpoint_survives_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.safetensors");
+        let mut checkpoint = Checkpoint::new(Arch::Tiny, 3);
+        checkpoint.progress = Progress { step: 17, samples: 68, secs: 1.25 };
+        checkpoint.adam.first[0][0] = 0.125;
+        checkpoint.save(&path, Moments::Exact).unwrap();
+        assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
+        checkpoint.save(&path, Moments::Half).unwrap();
+        assert_eq!(Checkpoint::load(&path).unwrap().adam.first[0][0], 0.125);
+    }
+
+    #[test]
+    fn a_damaged_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.safetensors");
+        Checkpoint::new(Arch::Tiny, 3).save(&path, Moments::Exact).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        for length in [0, 7, 100, bytes.len() - 1] {
+            std::fs::write(&path, &bytes[..length]).unwrap();
+            assert!(Checkpoint::load(&path).unwrap_err().to_string().contains("not a checkpoint"));
+        }
+    }
+}

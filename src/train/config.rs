@@ -1,0 +1,289 @@
+//! What a run is: one struct that is flags, file beside the weights, and presets.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+use clap::{ArgMatches, Args, FromArgMatches as _, ValueEnum, parser::ValueSource};
+use serde::{Deserialize, Serialize};
+
+use crate::nets::Arch;
+
+/// What is trained.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// The depth net: supervised where the truth is known, and photometric.
+    Depth,
+    /// The occlusion net, on views rendered with the true ray depths (or with `--depth-from`'s).
+    Occlusion,
+    /// Both, as the paper does.
+    Joint,
+}
+
+/// Starting points. Flags given beside a preset win over it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// The everyday depth net on composed scenes and lifted photos.
+    Everyday,
+    /// The paper's training on a folder of Lytro ESLF files.
+    Paper,
+    /// The occlusion net on composed scenes.
+    Occlusion,
+    /// Both nets together, fine-tuning.
+    Joint,
+}
+
+/// How much each loss weighs; 0 leaves it out.
+#[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
+pub struct LossWeights {
+    /// |D − D*| where the truth is known
+    #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
+    pub w_supervised: f32,
+    /// ‖L_r − L‖₁ (and ‖L̂ − L‖₁ in the stages that have it)
+    #[arg(long, default_value_t = 1.0, help_heading = "Losses")]
+    pub w_photometric: f32,
+    /// Affine-invariant |s·D + t − D*|
+    #[arg(long, default_value_t = 0.25, help_heading = "Losses")]
+    pub w_affine: f32,
+    /// Gradients of the affine residual, relative to --w-affine
+    #[arg(long, default_value_t = 0.4, help_heading = "Losses")]
+    pub w_edges: f32,
+    /// Residual after each row's mean is taken out
+    #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
+    pub w_row: f32,
+    /// Order of pairs within a row
+    #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
+    pub w_ordinal: f32,
+    /// Least step of the true ray depths that makes such a pair, px per view step
+    #[arg(long, default_value_t = 0.12, help_heading = "Losses")]
+    pub ordinal_apart_px: f32,
+    /// Depth consistency ψ_c (the paper: 0.005)
+    #[arg(long, default_value_t = 0.02, help_heading = "Losses")]
+    pub w_consistency: f32,
+    /// Total variation ψ_tv (the paper: 0.01)
+    #[arg(long, default_value_t = 0.005, help_heading = "Losses")]
+    pub w_tv: f32,
+}
+
+/// A run of the trainer.
+#[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
+pub struct Config {
+    /// Where to start from
+    #[arg(long, value_enum, default_value_t = Preset::Everyday)]
+    pub preset: Preset,
+    /// Folder of the training data (flowers, everyday, photos_depth, lightfields; ESLF files for the preset `paper`)
+    #[arg(long, default_value = "data")]
+    pub data: PathBuf,
+    /// Folder of the run: checkpoints, config, metrics, contact sheets
+    #[arg(long, default_value = "runs/everyday")]
+    pub out: PathBuf,
+    /// What is trained
+    #[arg(long, value_enum, default_value_t = Stage::Depth)]
+    pub stage: Stage,
+    /// The depth net
+    #[arg(long, value_enum, default_value_t = Arch::Context)]
+    pub net: Arch,
+    /// Long side in px of the pictures that samples are cut from
+    #[arg(long, default_value_t = 128)]
+    pub long_side: usize,
+    /// Crops as WIDTHxHEIGHT, drawn in turn; multiples of 16 for the everyday net
+    #[arg(long, value_delimiter = ',', default_value = "128x96,96x128,112x112", value_parser = parse_size)]
+    pub crop: Vec<(usize, usize)>,
+    /// Samples of a step
+    #[arg(long, default_value_t = 8)]
+    pub batch: usize,
+    /// Views of a sample, the reference view among them (64 = all)
+    #[arg(long, default_value_t = 6)]
+    pub views: usize,
+    /// Seed of weights and data
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Steps in all
+    #[arg(long, default_value_t = 20_000)]
+    pub steps: u64,
+    /// Seconds that the schedule spans, in place of --steps
+    #[arg(long)]
+    pub secs: Option<f64>,
+    /// Learning rate after the warm-up
+    #[arg(long, default_value_t = 2e-3)]
+    pub lr: f32,
+    /// Last learning rate, relative to --lr (1 = constant)
+    #[arg(long, default_value_t = 0.02)]
+    pub lr_end: f32,
+    /// Steps over which the learning rate rises
+    #[arg(long, default_value_t = 100)]
+    pub warm_up: u64,
+    /// Decoupled weight decay of convolution weights
+    #[arg(long, default_value_t = 1e-4)]
+    pub weight_decay: f32,
+    /// Largest norm of the gradient of a step; 0 = no limit
+    #[arg(long, default_value_t = 1.0)]
+    pub clip: f32,
+    /// Part by which the running statistics follow each batch
+    #[arg(long, default_value_t = 0.02)]
+    pub momentum: f32,
+    /// Threads of the trainer
+    #[arg(long, default_value_t = 2)]
+    pub threads: usize,
+    /// Threads of the data engine
+    #[arg(long, default_value_t = 1)]
+    pub loaders: usize,
+    /// Seconds between checkpoints
+    #[arg(long, default_value_t = 180.0)]
+    pub save_secs: f64,
+    /// Steps between lines of metrics
+    #[arg(long, default_value_t = 50)]
+    pub log_steps: u64,
+    /// Weights to start from (a checkpoint of the same net)
+    #[arg(long)]
+    pub init: Option<PathBuf>,
+    /// Start all views' maps from the reference view's
+    #[arg(long)]
+    pub tie: bool,
+    /// For the stages `occlusion` and `joint`: the depth net's checkpoint
+    #[arg(long)]
+    pub depth_from: Option<PathBuf>,
+    /// Shares of the kinds of samples, as the data engine names them, e.g. `lifted=0.4,pseudo=0.3,collage=0.2,real=0.1`
+    #[arg(long, default_value = "")]
+    pub mix: String,
+    /// File with the names of the files to train on, one a line (the preset `paper`)
+    #[arg(long)]
+    pub list: Option<PathBuf>,
+    /// Burn's own operations in place of ours
+    #[arg(long)]
+    pub stock: bool,
+    /// The losses' weights.
+    #[command(flatten)]
+    #[serde(flatten)]
+    pub losses: LossWeights,
+}
+
+fn parse_size(text: &str) -> Result<(usize, usize), String> {
+    let parsed = text.split_once('x').and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+    parsed.ok_or_else(|| format!("{text:?} is no size: write WIDTHxHEIGHT, e.g. 128x96"))
+}
+
+/// The struct alone as a command, to parse its defaults from nothing.
+#[derive(clap::Parser)]
+struct Alone {
+    #[command(flatten)]
+    config: Config,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        <Alone as clap::Parser>::parse_from(["train"]).config
+    }
+}
+
+impl Config {
+    /// A preset's values.
+    pub fn preset(preset: Preset) -> Self {
+        let everyday = Self { preset, ..Self::default() };
+        match preset {
+            Preset::Everyday => everyday,
+            Preset::Paper => Self { net: Arch::Paper, ..everyday }.as_in_the_paper(),
+            Preset::Occlusion => Self {
+                out: "runs/occlusion".into(),
+                stage: Stage::Occlusion,
+                crop: vec![(96, 96)],
+                views: 64,
+                batch: 1,
+                long_side: 192,
+                steps: 4000,
+                ..everyday
+            },
+            Preset::Joint => Self { out: "runs/joint".into(), lr: 2e-4, ..everyday.as_in_the_paper() },
+        }
+    }
+
+    /// Adam 1e-3, batch 4, 96² crops of halved pictures, the paper's losses, 120,000 steps.
+    fn as_in_the_paper(self) -> Self {
+        let losses = LossWeights {
+            w_supervised: 0.0,
+            w_photometric: 1.0,
+            w_affine: 0.0,
+            w_edges: 0.0,
+            w_row: 0.0,
+            w_ordinal: 0.0,
+            w_consistency: 0.005,
+            w_tv: 0.01,
+            ..self.losses
+        };
+        let out = if self.preset == Preset::Paper { "runs/paper".into() } else { self.out };
+        let (crop, stage) = (vec![(96, 96)], Stage::Joint);
+        Self {
+            stage,
+            crop,
+            out,
+            losses,
+            views: 64,
+            batch: 4,
+            long_side: 270,
+            steps: 120_000,
+            lr: 1e-3,
+            lr_end: 1.0,
+            weight_decay: 0.0,
+            clip: 0.0,
+            ..self
+        }
+    }
+
+    /// The config of parsed flags: those given on the command line, the rest from `base` (a saved run) or from the preset.
+    pub fn from_matches(matches: &ArgMatches, base: Option<Self>) -> Result<Self> {
+        let given = Self::from_arg_matches(matches)?;
+        let mut result = serde_json::to_value(base.unwrap_or_else(|| Self::preset(given.preset)))?;
+        let flags = serde_json::to_value(&given)?;
+        let (result_map, flags) = (result.as_object_mut().context("config")?, flags.as_object().context("config")?);
+        for (key, value) in flags {
+            if matches.value_source(key) == Some(ValueSource::CommandLine) {
+                result_map.insert(key.clone(), value.clone());
+            }
+        }
+        Ok(serde_json::from_value(result)?)
+    }
+
+    /// Learning rate at a step, `done` = 0 … 1 of the run behind it: a linear rise, then half a cosine.
+    pub fn learning_rate(&self, step: u64, done: f64) -> f32 {
+        let rise = ((step + 1) as f32 / self.warm_up.max(1) as f32).min(1.0);
+        let fall = 0.5 * (1.0 + (std::f64::consts::PI * done.clamp(0.0, 1.0)).cos()) as f32;
+        self.lr * rise * (self.lr_end + (1.0 - self.lr_end) * fall)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args as _, Command};
+
+    use super::*;
+
+    fn parse(line: &[&str], base: Option<Config>) -> Config {
+        let matches = Config::augment_args(Command::new("train")).get_matches_from(line);
+        Config::from_matches(&matches, base).unwrap()
+    }
+
+    #[test]
+    fn flags_win_over_the_preset_and_the_saved_run() {
+        let config = parse(&["train", "--preset", "paper", "--batch", "2"], None);
+        assert_eq!((config.batch, config.steps, config.net), (2, 120_000, Arch::Paper));
+        let saved = Config { seed: 9, lr: 0.5, ..Config::default() };
+        let config = parse(&["train", "--lr", "0.25"], Some(saved));
+        assert_eq!((config.seed, config.lr), (9, 0.25));
+    }
+
+    #[test]
+    fn the_config_survives_its_file() {
+        let config = Config::preset(Preset::Joint);
+        let text = serde_json::to_string(&config).unwrap();
+        assert_eq!(serde_json::from_str::<Config>(&text).unwrap(), config);
+    }
+
+    #[test]
+    fn the_learning_rate_rises_then_falls() {
+        let config = Config { warm_up: 10, lr: 1.0, lr_end: 0.1, ..Config::default() };
+        assert!((config.learning_rate(0, 0.0) - 0.1).abs() < 1e-6);
+        assert!((config.learning_rate(20, 0.0) - 1.0).abs() < 1e-6);
+        assert!((config.learning_rate(20, 1.0) - 0.1).abs() < 1e-6);
+    }
+}

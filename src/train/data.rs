@@ -1,0 +1,97 @@
+//! The data engine's samples as batches.
+
+use std::sync::Arc;
+
+use crate::TrainError;
+use crate::batch::{Batch, Draw};
+use crate::config::Config;
+use crate::loss::Maps;
+use crate::scenes::{self, Mix, Sample, Source, Split};
+
+/// What the data engine is told for a run.
+pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
+    let (width, height) = config.crop.first().copied().unwrap_or((config.long_side, config.long_side));
+    Ok(scenes::Config {
+        data: config.data.clone(),
+        long_side: config.long_side,
+        crop: [width, height],
+        views_per_sample: config.views,
+        views_group: config.batch as u64,
+        mix: mix(&config.mix)?,
+        seed: config.seed,
+        split: Split::Train,
+        augment: true,
+        ..scenes::Config::default()
+    })
+}
+
+/// Shares from text such as `lifted=0.3,collage=0.3`; kinds that are not named get none, empty text means the usual mix.
+fn mix(text: &str) -> Result<Mix, TrainError> {
+    if text.trim().is_empty() {
+        return Ok(Mix::default());
+    }
+    let wrong = |why: String| TrainError::Data {
+        why: format!("--mix {text:?}: {why}; write e.g. lifted=0.4,pseudo=0.3,collage=0.2,real=0.1"),
+    };
+    let mut mix = Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0 };
+    for part in text.split(',') {
+        let (name, share) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no share")))?;
+        let share: f32 = share.trim().parse().map_err(|_| wrong(format!("{share:?} is no number")))?;
+        match name.trim() {
+            "lifted" => mix.lifted = share,
+            "collage" => mix.collage = share,
+            "pseudo" => mix.pseudo = share,
+            "real" => mix.real = share,
+            other => return Err(wrong(format!("there is no kind {other:?}"))),
+        }
+    }
+    Ok(mix)
+}
+
+/// Batches of composed scenes: crops in turn, samples numbered through.
+pub fn draw(config: &Config) -> Result<Draw, TrainError> {
+    let source = Source::new(&scenes_config(config)?).map_err(|e| TrainError::Data { why: e.to_string() })?;
+    let (batch, crops) = (config.batch as u64, config.crop.clone());
+    Ok(Arc::new(move |number| {
+        let (width, height) = crops[(number % crops.len() as u64) as usize];
+        let samples = (0..batch).map(|i| source.sample_sized(number * batch + i, [width, height])).collect();
+        collate(samples, number * batch)
+    }))
+}
+
+/// Samples of one size and one set of views as a batch.
+pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainError> {
+    let first = samples.first().ok_or_else(|| TrainError::Data { why: "a batch of no samples".into() })?;
+    let (size, layers) = (first.size, first.views.clone());
+    if samples.iter().any(|s| s.size != size || s.views != layers) {
+        return Err(TrainError::Data { why: "samples of one batch differ in size or views".into() });
+    }
+    let maps = Maps { samples: samples.len(), views: layers, height: size[1], width: size[0] };
+    let mut batch = Batch {
+        first_sample,
+        views: Vec::with_capacity(3 * maps.len()),
+        truth: Vec::with_capacity(maps.len()),
+        yx: Vec::new(),
+        maps,
+    };
+    for sample in samples {
+        let unknown = || vec![f32::NAN; batch.maps.views.len() * batch.maps.plane()];
+        batch.truth.extend(sample.disparity.unwrap_or_else(unknown));
+        batch.views.extend(sample.rgb);
+        batch.yx.push(sample.yx);
+    }
+    Ok(batch)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mix_is_read_from_text() {
+        assert_eq!(mix("").unwrap(), Mix::default());
+        assert_eq!(mix("lifted=1, real=0.5").unwrap(), Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.5 });
+        assert!(mix("lifted").unwrap_err().to_string().contains("no share"));
+        assert!(mix("flowers=1").unwrap_err().to_string().contains("flowers"));
+    }
+}

@@ -1,0 +1,80 @@
+//! What can go wrong in the trainer.
+
+use std::path::PathBuf;
+
+/// An error of the trainer, in one sentence: what, why, what to do, path last.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainError {
+    /// A picture that the net's poolings do not divide.
+    #[error(
+        "a picture of {width}×{height} does not fit the net: both sides must be multiples of {multiple_of}; change --crop"
+    )]
+    Size {
+        /// Width in pixels.
+        width: usize,
+        /// Height in pixels.
+        height: usize,
+        /// What both must be multiples of.
+        multiple_of: usize,
+    },
+    /// A weight that is not there.
+    #[error("the weights lack {name}: they are of another net")]
+    Missing {
+        /// Name of the array.
+        name: String,
+    },
+    /// Weights of another net.
+    #[error(
+        "the weights are not those of the net {wanted}: start without them, or name the net they were trained for with --net"
+    )]
+    Architecture {
+        /// The net that was asked for.
+        wanted: String,
+    },
+    /// A file that cannot be read or written.
+    #[error("cannot {action}: {source}: {}", path.display())]
+    File {
+        /// What was tried.
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+        /// The file.
+        path: PathBuf,
+    },
+    /// A checkpoint that is no checkpoint.
+    #[error("not a checkpoint: {why}: use a file that this trainer saved: {}", path.display())]
+    Checkpoint {
+        /// What is wrong with it.
+        why: String,
+        /// The file.
+        path: PathBuf,
+    },
+    /// The loss is no number any more.
+    #[error(
+        "the loss is not a number at step {step} (seed {seed}, samples {first_sample} and on): lower --lr and resume from the last checkpoint"
+    )]
+    NotANumber {
+        /// Step of the run.
+        step: u64,
+        /// Seed of the run.
+        seed: u64,
+        /// Number of the first sample of the batch.
+        first_sample: u64,
+    },
+    /// An exported net that does not compute what the trained one does.
+    #[error("the exported net differs from the trained one by {difference:e} (at most {tolerance:e} is expected): nothing was written: {}", path.display())]
+    Export {
+        /// Largest absolute difference.
+        difference: f32,
+        /// Largest that is accepted.
+        tolerance: f32,
+        /// The file that was to be written.
+        path: PathBuf,
+    },
+    /// The data engine gave up.
+    #[error("the data engine stopped: {why}")]
+    Data {
+        /// What it said.
+        why: String,
+    },
+}

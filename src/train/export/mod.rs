@@ -1,0 +1,133 @@
+//! From a checkpoint to `model.onnx` and `manifest.toml`, checked by reading the file back.
+
+mod onnx;
+mod verify;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use sha2::{Digest as _, Sha256};
+
+use crate::TrainError;
+use crate::checkpoint::Checkpoint;
+use crate::nets::{Arch, RANGE_PX, SIDE};
+
+pub use onnx::encode;
+pub use verify::difference;
+
+/// What the manifest says beside what the net itself knows.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// Name of the model and of its folder.
+    pub id: String,
+    /// Licence of the weights.
+    pub licence: String,
+    /// What it was trained on.
+    pub training_data: Vec<String>,
+    /// Long side in px at which it works best.
+    pub working_long_side: usize,
+}
+
+/// `manifest.toml`, in the order it is read.
+#[derive(Serialize)]
+struct Manifest<'a> {
+    id: &'a str,
+    task: &'a str,
+    file: &'a str,
+    sha256: String,
+    licence: &'a str,
+    training_data: &'a [String],
+    views: [usize; 2],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inputs: Option<&'a [&'a str]>,
+    working_long_side: usize,
+    multiple_of: usize,
+    disparity_range_px: [f32; 2],
+}
+
+/// Largest difference between the exported and the trained net that is accepted: px for a depth net, units of −1 … 1
+/// for the occlusion net.
+pub fn tolerance(arch: Arch) -> f32 {
+    if arch == Arch::Occlusion { 1e-5 } else { 1e-4 }
+}
+
+/// Writes `models/<id>/model.onnx` and `manifest.toml`. The file is read back with tract and compared with the trained
+/// net first; nothing is written if they differ. Returns the folder and the largest difference found.
+pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf, f32), TrainError> {
+    let folder = models.join(&about.id);
+    let path = folder.join("model.onnx");
+    let bytes = encode(&net.arch.graph(), &net.weights)?;
+    let found = difference(net, &bytes, 64)?;
+    let accepted = tolerance(net.arch);
+    if found.is_nan() || found > accepted {
+        return Err(TrainError::Export { difference: found, tolerance: accepted, path });
+    }
+    let failed = |source| TrainError::File { action: "write the model", source, path: folder.clone() };
+    std::fs::create_dir_all(&folder).map_err(failed)?;
+    write_aside(&path, &bytes)?;
+    write_aside(&folder.join("manifest.toml"), manifest(net, about, &bytes)?.as_bytes())?;
+    Ok((folder, found))
+}
+
+fn manifest(net: &Checkpoint, about: &About, bytes: &[u8]) -> Result<String, TrainError> {
+    let occlusion = net.arch == Arch::Occlusion;
+    let manifest = Manifest {
+        id: &about.id,
+        task: if occlusion { "occlusion" } else { "ray-depth" },
+        file: "model.onnx",
+        sha256: Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect(),
+        licence: &about.licence,
+        training_data: &about.training_data,
+        views: [SIDE, SIDE],
+        inputs: (!occlusion).then_some(net.arch.inputs()),
+        working_long_side: about.working_long_side,
+        multiple_of: net.arch.graph().multiple_of,
+        disparity_range_px: [-RANGE_PX, RANGE_PX],
+    };
+    toml::to_string(&manifest).map_err(|e| TrainError::Data { why: e.to_string() })
+}
+
+fn write_aside(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
+    let failed = |source| TrainError::File { action: "write the model", source, path: path.to_owned() };
+    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new("."))).map_err(failed)?;
+    file.write_all(bytes).map_err(failed)?;
+    file.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    /// A net whose normalisation is not the identity.
+    fn lived_in(arch: Arch) -> Checkpoint {
+        let mut net = Checkpoint::new(arch, 11);
+        let mut rng = Rng::new(12, 0);
+        for tensor in &mut net.weights.tensors {
+            let vector = tensor.shape.len() == 1;
+            for v in &mut tensor.values {
+                *v += if vector { rng.range(-0.2, 0.2) } else { 0.0 };
+            }
+        }
+        net
+    }
+
+    #[test]
+    fn exported_nets_compute_what_the_trained_ones_do() {
+        let folder = tempfile::tempdir().unwrap();
+        for (arch, id) in [(Arch::Tiny, "tiny"), (Arch::Occlusion, "occlusion")] {
+            let about = About {
+                id: id.into(),
+                licence: "MIT".into(),
+                training_data: vec!["none".into()],
+                working_long_side: 128,
+            };
+            let (path, found) = export(&lived_in(arch), &about, folder.path()).unwrap();
+            assert!(found <= tolerance(arch), "{found}");
+            let text = std::fs::read_to_string(path.join("manifest.toml")).unwrap();
+            assert!(text.contains("sha256") && text.contains(&format!("id = \"{id}\"")), "{text}");
+        }
+    }
+}

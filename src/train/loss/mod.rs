@@ -1,0 +1,62 @@
+//! The losses, each one function: its value, and its gradient added to a buffer.
+//!
+//! All are means in plain Rust over `[sample, view, y, x]` maps, so that each can be checked by finite differences and
+//! none depends on the tensor library: the trainer hands the summed gradient to the net's backward pass.
+
+mod photometric;
+mod smooth;
+mod supervised;
+
+pub use photometric::{photometric, rendered_gradient, rendered_views};
+pub use smooth::{consistency, total_variation};
+pub use supervised::{affine, affine_fit, ordinal, row_centred, supervised};
+
+/// Sizes of a batch of ray-depth maps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Maps {
+    /// Samples.
+    pub samples: usize,
+    /// Numbers of the views in `[v, u]` order, the same for every sample.
+    pub views: Vec<usize>,
+    /// Height in pixels.
+    pub height: usize,
+    /// Width in pixels.
+    pub width: usize,
+}
+
+impl Maps {
+    /// Pixels of one map.
+    pub fn plane(&self) -> usize {
+        self.height * self.width
+    }
+
+    /// Maps in all.
+    pub fn count(&self) -> usize {
+        self.samples * self.views.len()
+    }
+
+    /// Values in all.
+    pub fn len(&self) -> usize {
+        self.count() * self.plane()
+    }
+
+    /// Whether there is nothing.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Sign with 0 for 0 (and for NaN).
+#[inline]
+fn sign(x: f32) -> f32 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,192 @@
+//! Runs a graph on burn's tensors.
+
+use burn::tensor::{Device, Gradients, Tensor, TensorData};
+
+use super::{Conv, End, Graph, Node, Tensor32, Weights};
+use crate::TrainError;
+use crate::ops::{self, Path};
+
+/// Added to variances before the root, as in the paper's framework.
+pub const NORM_EPSILON: f32 = 1e-5;
+
+/// How batch normalisation takes its statistics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// From the batch; the running statistics follow by a tenth (the variance as it is, not times n/(n−1)).
+    Train,
+    /// From the running statistics.
+    Infer,
+}
+
+/// The weights of one forward pass as burn tensors, and what the pass leaves behind.
+pub struct Tape<'a> {
+    weights: &'a Weights,
+    device: Device,
+    mode: Mode,
+    path: Path,
+    leaves: Vec<Leaf>,
+    statistics: Vec<(String, Tensor<2>)>,
+}
+
+/// A trained array on the tape; its rank is 1, 4 or 5.
+enum Leaf {
+    Rank1(usize, Tensor<1>),
+    Rank4(usize, Tensor<4>),
+    Rank5(usize, Tensor<5>),
+}
+
+impl<'a> Tape<'a> {
+    /// A tape on burn's CPU backend; gradients are kept in `Mode::Train` only.
+    pub fn new(weights: &'a Weights, mode: Mode, path: Path) -> Self {
+        let device = Device::flex();
+        let device = if mode == Mode::Train { device.autodiff() } else { device };
+        Self { weights, device, mode, path, leaves: Vec::new(), statistics: Vec::new() }
+    }
+
+    /// The device that inputs must be on.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// `[n, c, h, w]` from values.
+    pub fn input<const D: usize>(&self, values: Vec<f32>, shape: [usize; D]) -> Tensor<D> {
+        Tensor::from_data(TensorData::new(values, shape), &self.device)
+    }
+
+    /// Runs a net of rank 2. With `views`, the last layer computes these rows alone.
+    ///
+    /// # Shapes
+    /// - `x`: `[n, c, h, w]`
+    /// - result: `[n, views, h, w]`
+    pub fn run2(&mut self, graph: &Graph, x: Tensor<4>, views: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
+        let mut done: Vec<Tensor<4>> = Vec::with_capacity(graph.nodes.len());
+        for node in &graph.nodes {
+            let y = match node {
+                Node::Input => x.clone(),
+                Node::Conv(from, conv) => self.conv2(conv, done[*from].clone(), views)?,
+                Node::Pool(from) => ops::pool(done[*from].clone(), self.path),
+                Node::UpConcat(low, skip) => ops::up_concat(done[*low].clone(), done[*skip].clone(), self.path),
+            };
+            done.push(y);
+        }
+        Ok(done.pop().unwrap_or(x))
+    }
+
+    /// Runs a net of rank 3, `[n, c, v, h, w]` in and out.
+    pub fn run3(&mut self, graph: &Graph, mut x: Tensor<5>) -> Result<Tensor<5>, TrainError> {
+        for conv in graph.convs() {
+            let weight = self.leaf5(&format!("{}.weight", conv.name))?;
+            x = self.finish(conv, x, weight)?;
+        }
+        Ok(x)
+    }
+
+    fn conv2(&mut self, conv: &Conv, x: Tensor<4>, views: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
+        let weight = self.leaf4(&format!("{}.weight", conv.name))?;
+        match (conv.end, views) {
+            (End::Tanh { scale }, Some(views)) => {
+                let rows = Tensor::from_data(
+                    TensorData::new(views.iter().map(|&v| v as i64).collect(), [views.len()]),
+                    &self.device,
+                );
+                let bias = self.leaf1(&format!("{}.bias", conv.name))?.select(0, rows.clone());
+                Ok(ops::conv_tanh(x, weight.select(0, rows), bias, (conv.dilation, scale), self.path))
+            }
+            _ => self.finish(conv, x, weight),
+        }
+    }
+
+    fn finish<const D: usize>(
+        &mut self,
+        conv: &Conv,
+        x: Tensor<D>,
+        weight: Tensor<D>,
+    ) -> Result<Tensor<D>, TrainError> {
+        let vector = |tape: &mut Self, what: &str| tape.leaf1(&format!("{}.{what}", conv.name));
+        match conv.end {
+            End::Tanh { scale } => {
+                let bias = vector(self, "bias")?;
+                Ok(ops::conv_tanh(x, weight, bias, (conv.dilation, scale), self.path))
+            }
+            End::NormElu => {
+                let (gamma, beta) = (vector(self, "gamma")?, vector(self, "beta")?);
+                if self.mode == Mode::Infer {
+                    let (mean, var) = (vector(self, "mean")?, vector(self, "var")?);
+                    return Ok(ops::conv_folded_elu(x, weight, [gamma, beta, mean, var], conv.dilation, self.path));
+                }
+                let (y, statistics) = ops::conv_norm_elu(x, weight, [gamma, beta], conv.dilation, self.path);
+                self.statistics.push((conv.name.clone(), statistics));
+                Ok(y)
+            }
+        }
+    }
+
+    fn find(&self, name: &str) -> Result<(usize, &Tensor32), TrainError> {
+        let at = self.weights.tensors.iter().position(|t| t.name == name);
+        at.map(|i| (i, &self.weights.tensors[i])).ok_or_else(|| TrainError::Missing { name: name.to_owned() })
+    }
+
+    fn load<const D: usize>(&self, name: &str) -> Result<(usize, Tensor<D>, bool), TrainError> {
+        let (at, array) = self.find(name)?;
+        let tensor = Tensor::from_data(TensorData::new(array.values.clone(), array.shape.clone()), &self.device);
+        let trained = array.trained && self.mode == Mode::Train;
+        Ok((at, if trained { tensor.require_grad() } else { tensor }, trained))
+    }
+
+    fn leaf1(&mut self, name: &str) -> Result<Tensor<1>, TrainError> {
+        let (at, tensor, trained) = self.load(name)?;
+        if trained {
+            self.leaves.push(Leaf::Rank1(at, tensor.clone()));
+        }
+        Ok(tensor)
+    }
+
+    fn leaf4(&mut self, name: &str) -> Result<Tensor<4>, TrainError> {
+        let (at, tensor, trained) = self.load(name)?;
+        if trained {
+            self.leaves.push(Leaf::Rank4(at, tensor.clone()));
+        }
+        Ok(tensor)
+    }
+
+    fn leaf5(&mut self, name: &str) -> Result<Tensor<5>, TrainError> {
+        let (at, tensor, trained) = self.load(name)?;
+        if trained {
+            self.leaves.push(Leaf::Rank5(at, tensor.clone()));
+        }
+        Ok(tensor)
+    }
+
+    /// Gradients of the trained arrays after `backward`, each with its index in the weights; and the batch
+    /// statistics `[mean | variance]` of each normalised layer.
+    pub fn finish_step(self, gradients: &Gradients) -> (Vec<(usize, Vec<f32>)>, Vec<(String, Vec<f32>)>) {
+        let taken = self.leaves.iter().filter_map(|leaf| match leaf {
+            Leaf::Rank1(at, t) => t.grad(gradients).map(|g| (*at, values(g))),
+            Leaf::Rank4(at, t) => t.grad(gradients).map(|g| (*at, values(g))),
+            Leaf::Rank5(at, t) => t.grad(gradients).map(|g| (*at, values(g))),
+        });
+        (taken.collect(), self.statistics.into_iter().map(|(name, t)| (name, values(t))).collect())
+    }
+}
+
+/// A tensor's values, the last axis fastest.
+pub fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
+    tensor.into_data().iter::<f32>().collect()
+}
+
+impl Weights {
+    /// Moves the running statistics by `momentum` towards those of a batch.
+    pub fn follow(&mut self, statistics: &[(String, Vec<f32>)], momentum: f32) {
+        for (layer, values) in statistics {
+            let (mean, var) = values.split_at(values.len() / 2);
+            for (what, batch) in [("mean", mean), ("var", var)] {
+                let name = format!("{layer}.{what}");
+                if let Some(running) = self.tensors.iter_mut().find(|t| t.name == name) {
+                    for (r, b) in running.values.iter_mut().zip(batch) {
+                        *r += momentum * (b - *r);
+                    }
+                }
+            }
+        }
+    }
+}

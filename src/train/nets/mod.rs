@@ -1,0 +1,274 @@
+//! The nets: one graph a net, read by the trainer (burn) and by the exporter (ONNX).
+//!
+//! A net is a list of nodes, each naming the nodes it reads. There is one description, so what is exported is what was trained.
+
+mod forward;
+mod weights;
+
+use serde::{Deserialize, Serialize};
+
+pub use forward::{Mode, NORM_EPSILON, Tape, values};
+pub use weights::{Tensor32, Weights};
+
+use crate::TrainError;
+
+/// Views of the light field that a depth net describes: the paper's 8 × 8.
+pub const VIEWS: usize = 64;
+/// Views along one angular axis.
+pub const SIDE: usize = 8;
+/// Number of the reference view (4, 4) in `[v, u]` order.
+pub const REFERENCE: usize = 36;
+/// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
+pub const RANGE_PX: f32 = 4.0;
+
+/// The architectures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Arch {
+    /// The paper's dilated depth net (§4.1, widths of its released notebook): sees 73 px, colour alone.
+    Paper,
+    /// The paper's depth net with the pixel's two coordinates as further input channels.
+    PaperYx,
+    /// A U-Net that sees the whole picture, with coordinates: the everyday model.
+    Context,
+    /// A U-Net of a few channels, for tests.
+    Tiny,
+    /// The paper's 3-D occlusion net (§4.3).
+    Occlusion,
+}
+
+/// How a convolution ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// Batch normalisation, then ELU.
+    NormElu,
+    /// Bias, then `scale · tanh(z / scale)`.
+    Tanh {
+        /// Largest magnitude of the result.
+        scale: f32,
+    },
+}
+
+/// One convolution 3×3 (or 3×3×3), stride 1, edge padded, same size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conv {
+    /// Name of its weights: `name.weight`, `name.gamma`, …
+    pub name: String,
+    /// Channels in.
+    pub inputs: usize,
+    /// Channels out.
+    pub outputs: usize,
+    /// Step between taps in y and x (the angular axis of a 3-D convolution has 1).
+    pub dilation: usize,
+    /// How it ends.
+    pub end: End,
+}
+
+/// A node of a net. Numbers are indices of earlier nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Node {
+    /// What the net is given.
+    Input,
+    /// Convolution of one node.
+    Conv(usize, Conv),
+    /// Mean of 2×2 pixels.
+    Pool(usize),
+    /// The first node at twice its size (nearest pixel), its channels followed by those of the second.
+    UpConcat(usize, usize),
+}
+
+/// A net: nodes in order of computation; the last one is the result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    /// Which net it is.
+    pub arch: Arch,
+    /// The nodes.
+    pub nodes: Vec<Node>,
+    /// 2 for pictures `[n, c, h, w]`, 3 for stacks of views `[n, c, v, h, w]`.
+    pub rank: usize,
+    /// Height and width must be multiples of this.
+    pub multiple_of: usize,
+}
+
+/// Builds a graph node by node.
+struct Builder {
+    nodes: Vec<Node>,
+    channels: Vec<usize>,
+}
+
+impl Builder {
+    fn new(inputs: usize) -> Self {
+        Self { nodes: vec![Node::Input], channels: vec![inputs] }
+    }
+
+    fn last(&self) -> usize {
+        self.nodes.len() - 1
+    }
+
+    fn push(&mut self, node: Node, channels: usize) -> usize {
+        self.nodes.push(node);
+        self.channels.push(channels);
+        self.last()
+    }
+
+    /// Adds a convolution of the last node.
+    fn conv(&mut self, name: &str, outputs: usize, dilation: usize, end: End) -> usize {
+        let from = self.last();
+        let conv = Conv { name: name.to_owned(), inputs: self.channels[from], outputs, dilation, end };
+        self.push(Node::Conv(from, conv), outputs)
+    }
+
+    fn pool(&mut self) -> usize {
+        let from = self.last();
+        self.push(Node::Pool(from), self.channels[from])
+    }
+
+    fn up_concat(&mut self, skip: usize) -> usize {
+        let from = self.last();
+        self.push(Node::UpConcat(from, skip), self.channels[from] + self.channels[skip])
+    }
+
+    fn finish(self, arch: Arch, rank: usize, multiple_of: usize) -> Graph {
+        Graph { arch, nodes: self.nodes, rank, multiple_of }
+    }
+}
+
+/// The paper's depth net: dilated 3×3 convolutions with batch normalisation and ELU, last layer a scaled tanh.
+fn paper(arch: Arch, inputs: usize) -> Graph {
+    let mut net = Builder::new(inputs);
+    let layers = [(16, 1), (64, 1), (128, 1), (128, 2), (128, 4), (128, 8), (128, 16), (128, 1), (64, 1)];
+    for (i, (outputs, dilation)) in layers.into_iter().enumerate() {
+        net.conv(&format!("conv{i}"), outputs, dilation, End::NormElu);
+    }
+    net.conv("last", VIEWS, 1, End::Tanh { scale: RANGE_PX });
+    net.finish(arch, 2, 1)
+}
+
+/// A U-Net: two convolutions a level, mean pooling down, nearest pixel up, skips joined by concatenation; the
+/// deepest level looks further with dilations 1, 2, 4, so that every pixel sees the whole picture.
+fn u_net(arch: Arch, widths: &[usize]) -> Graph {
+    let mut net = Builder::new(5);
+    let mut skips = Vec::new();
+    let deepest = widths.len() - 1;
+    for (level, &width) in widths.iter().enumerate() {
+        if level > 0 {
+            net.pool();
+        }
+        let dilations: &[usize] = if level == deepest { &[1, 2, 4] } else { &[1, 1] };
+        for (i, &dilation) in dilations.iter().enumerate() {
+            net.conv(&format!("down{level}_{i}"), width, dilation, End::NormElu);
+        }
+        skips.push(net.last());
+    }
+    for level in (0..deepest).rev() {
+        net.up_concat(skips[level]);
+        for i in 0..2 {
+            net.conv(&format!("up{level}_{i}"), widths[level], 1, End::NormElu);
+        }
+    }
+    net.conv("last", VIEWS, 1, End::Tanh { scale: RANGE_PX });
+    net.finish(arch, 2, 1 << deepest)
+}
+
+/// The paper's occlusion net: five 3×3×3 convolutions over (views, y, x), the last a tanh; its result is added to the
+/// Lambertian views.
+fn occlusion() -> Graph {
+    let mut net = Builder::new(4);
+    for i in 0..4 {
+        net.conv(&format!("conv{i}"), 8, 1, End::NormElu);
+    }
+    net.conv("last", 3, 1, End::Tanh { scale: 1.0 });
+    net.finish(Arch::Occlusion, 3, 1)
+}
+
+impl Arch {
+    /// The net's graph.
+    pub fn graph(self) -> Graph {
+        match self {
+            Self::Paper => paper(self, 3),
+            Self::PaperYx => paper(self, 5),
+            Self::Context => u_net(self, &[16, 32, 80, 160, 224]),
+            Self::Tiny => u_net(self, &[6, 8, 8]),
+            Self::Occlusion => occlusion(),
+        }
+    }
+
+    /// The manifest's `inputs`: what the channels are, in order.
+    pub fn inputs(self) -> &'static [&'static str] {
+        match self {
+            Self::Paper => &["rgb"],
+            Self::Occlusion => &["rgb", "disparity"],
+            Self::PaperYx | Self::Context | Self::Tiny => &["rgb", "yx"],
+        }
+    }
+
+    /// Whether the pixel's coordinates are among the inputs.
+    pub fn has_coordinates(self) -> bool {
+        self.inputs().contains(&"yx")
+    }
+
+    /// The name as it is written on the command line and in checkpoints.
+    pub fn name(self) -> String {
+        serde_json::to_value(self).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+    }
+}
+
+impl Graph {
+    /// All convolutions in order.
+    pub fn convs(&self) -> impl Iterator<Item = &Conv> {
+        self.nodes.iter().filter_map(|node| if let Node::Conv(_, conv) = node { Some(conv) } else { None })
+    }
+
+    /// Channels that the net takes.
+    pub fn input_channels(&self) -> usize {
+        self.convs().next().map_or(0, |conv| conv.inputs)
+    }
+
+    /// Floating-point operations of one forward pass, per pixel (and view, for rank 3) at full size.
+    pub fn flop_per_pixel(&self) -> f64 {
+        let mut scale = vec![1.0f64; self.nodes.len()];
+        let mut flop = 0.0;
+        for (i, node) in self.nodes.iter().enumerate() {
+            scale[i] = match node {
+                Node::Input => 1.0,
+                Node::Conv(from, conv) => {
+                    flop += 2.0 * (conv.inputs * conv.outputs * 3usize.pow(self.rank as u32)) as f64 * scale[*from];
+                    scale[*from]
+                }
+                Node::Pool(from) => scale[*from] / 4.0,
+                Node::UpConcat(low, _) => scale[*low] * 4.0,
+            };
+        }
+        flop
+    }
+
+    /// `Err` when a picture of this size cannot go through the net.
+    pub fn check_size(&self, width: usize, height: usize) -> Result<(), TrainError> {
+        let m = self.multiple_of;
+        if width > 0 && height > 0 && width.is_multiple_of(m) && height.is_multiple_of(m) {
+            Ok(())
+        } else {
+            Err(TrainError::Size { width, height, multiple_of: m })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_papers_net_has_the_papers_work() {
+        assert_eq!(Arch::Paper.graph().flop_per_pixel(), 2.0 * 931_248.0);
+        assert_eq!(Arch::Occlusion.graph().flop_per_pixel(), 13_392.0);
+    }
+
+    #[test]
+    fn the_everyday_net_is_small() {
+        let graph = Arch::Context.graph();
+        let parameters = Weights::random(&graph, 1).trained_values();
+        assert!(parameters < 4_000_000, "{parameters} parameters");
+        assert!(graph.flop_per_pixel() < 160_000.0, "{} FLOP a pixel", graph.flop_per_pixel());
+        assert_eq!(graph.multiple_of, 16);
+    }
+}

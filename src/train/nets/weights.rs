@@ -1,0 +1,109 @@
+//! A net's weights as named arrays, in the order of its convolutions.
+
+use super::{Conv, End, Graph, REFERENCE, VIEWS};
+use crate::TrainError;
+use crate::rng::Rng;
+
+/// A named array of f32.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tensor32 {
+    /// `layer.weight`, `layer.gamma`, `layer.beta`, `layer.bias`, `layer.mean`, `layer.var`.
+    pub name: String,
+    /// Sizes, outermost first.
+    pub shape: Vec<usize>,
+    /// Values, the last axis fastest.
+    pub values: Vec<f32>,
+    /// Whether the optimiser changes it (running statistics: no).
+    pub trained: bool,
+}
+
+/// All arrays of a net.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weights {
+    /// The arrays, in a fixed order.
+    pub tensors: Vec<Tensor32>,
+}
+
+impl Weights {
+    /// He-initialised weights from a seed. The last layer starts small and *tied*: all its rows equal, so that a depth
+    /// net begins with one map for all views (64 free maps fall into local minima).
+    pub fn random(graph: &Graph, seed: u64) -> Self {
+        let mut rng = Rng::new(seed, 0x6e65_7473);
+        let mut tensors = Vec::new();
+        for conv in graph.convs() {
+            let taps = 3usize.pow(graph.rank as u32);
+            let values = match conv.end {
+                End::NormElu => {
+                    normal(&mut rng, conv.outputs * conv.inputs * taps, (2.0 / (conv.inputs * taps) as f32).sqrt())
+                }
+                End::Tanh { .. } => tied(&mut rng, conv, taps),
+            };
+            let mut shape = vec![conv.outputs, conv.inputs];
+            shape.extend(vec![3; graph.rank]);
+            tensors.push(Tensor32 { name: format!("{}.weight", conv.name), shape, values, trained: true });
+            tensors.extend(vectors(conv));
+        }
+        Self { tensors }
+    }
+
+    /// The array of a name.
+    pub fn get(&self, name: &str) -> Result<&Tensor32, TrainError> {
+        self.tensors.iter().find(|t| t.name == name).ok_or_else(|| TrainError::Missing { name: name.to_owned() })
+    }
+
+    /// Gives every row of a depth net's last layer what the reference view's row has: one map for all views.
+    pub fn tie_views(&mut self) {
+        for tensor in self.tensors.iter_mut().filter(|t| t.name.starts_with("last.") && t.shape[0] == VIEWS) {
+            let row = tensor.values.len() / VIEWS;
+            let reference = tensor.values[REFERENCE * row..][..row].to_vec();
+            tensor.values.chunks_mut(row).for_each(|values| values.copy_from_slice(&reference));
+        }
+    }
+
+    /// Number of values that the optimiser changes.
+    pub fn trained_values(&self) -> usize {
+        self.tensors.iter().filter(|t| t.trained).map(|t| t.values.len()).sum()
+    }
+
+    /// `Err` unless names and shapes are those of `graph`.
+    pub fn check(&self, graph: &Graph) -> Result<(), TrainError> {
+        let wanted = Self::random(graph, 0);
+        let same = self.tensors.len() == wanted.tensors.len()
+            && self.tensors.iter().zip(&wanted.tensors).all(|(a, b)| a.name == b.name && a.shape == b.shape);
+        if same { Ok(()) } else { Err(TrainError::Architecture { wanted: graph.arch.name() }) }
+    }
+}
+
+fn normal(rng: &mut Rng, n: usize, deviation: f32) -> Vec<f32> {
+    (0..n).map(|_| rng.normal() * deviation).collect()
+}
+
+/// One random row, repeated for every output; the occlusion net's rows differ, as colours do.
+fn tied(rng: &mut Rng, conv: &Conv, taps: usize) -> Vec<f32> {
+    let n = conv.inputs * taps;
+    if conv.outputs == VIEWS {
+        let row = normal(rng, n, 0.3 / (n as f32).sqrt());
+        row.iter().copied().cycle().take(n * conv.outputs).collect()
+    } else {
+        normal(rng, n * conv.outputs, 0.05 / (n as f32).sqrt())
+    }
+}
+
+/// The arrays of a convolution beside its weights.
+fn vectors(conv: &Conv) -> Vec<Tensor32> {
+    let vector = |what: &str, value: f32, trained| Tensor32 {
+        name: format!("{}.{what}", conv.name),
+        shape: vec![conv.outputs],
+        values: vec![value; conv.outputs],
+        trained,
+    };
+    match conv.end {
+        End::NormElu => vec![
+            vector("gamma", 1.0, true),
+            vector("beta", 0.0, true),
+            vector("mean", 0.0, false),
+            vector("var", 1.0, false),
+        ],
+        End::Tanh { .. } => vec![vector("bias", 0.0, true)],
+    }
+}

@@ -1,0 +1,113 @@
+//! Our operations against burn's own: values and gradients, on all the shapes that the nets have.
+
+use burn::tensor::{Device, Tensor, TensorData};
+
+use super::*;
+use crate::nets::values;
+use crate::rng::Rng;
+
+/// Largest difference relative to the largest value, at most.
+const RELATIVE: f32 = 2e-4;
+
+fn device() -> Device {
+    Device::flex().autodiff()
+}
+
+fn random<const D: usize>(seed: u64, shape: [usize; D]) -> Tensor<D> {
+    let mut rng = Rng::new(seed, D as u64);
+    let data: Vec<f32> = (0..shape.iter().product()).map(|_| rng.range(-1.0, 1.0)).collect();
+    Tensor::from_data(TensorData::new(data, shape), &device())
+}
+
+fn same(what: &str, a: &[f32], b: &[f32]) {
+    assert_eq!(a.len(), b.len(), "{what}");
+    let largest = b.iter().fold(1e-6f32, |m, v| m.max(v.abs()));
+    let worst = a.iter().zip(b).fold(0.0f32, |m, (a, b)| m.max((a - b).abs()));
+    assert!(worst <= RELATIVE * largest, "{what}: {worst} of {largest}");
+}
+
+/// Result, statistics and the gradients of input, weights, γ and β of Σ result·probe.
+fn norm_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize, path: Path) -> Vec<Vec<f32>> {
+    let mut shape = [3; D];
+    (shape[0], shape[1]) = (outputs, x[1]);
+    let mut out = x;
+    out[1] = outputs;
+    let leaves = (random(1, x).require_grad(), random(2, shape).require_grad());
+    let norm = [random(3, [outputs]).require_grad(), random(4, [outputs]).require_grad()];
+    let (y, statistics) = conv_norm_elu(leaves.0.clone(), leaves.1.clone(), norm.clone(), dilation, path);
+    let gradients = (y.clone() * random(5, out)).sum().backward();
+    let mut all = vec![
+        values(y),
+        values(statistics),
+        values(leaves.0.grad(&gradients).unwrap()),
+        values(leaves.1.grad(&gradients).unwrap()),
+    ];
+    all.extend(norm.iter().map(|t| values(t.grad(&gradients).unwrap())));
+    all
+}
+
+fn check_norm_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize) {
+    let (ours, theirs) = (norm_elu(x, outputs, dilation, Path::Own), norm_elu(x, outputs, dilation, Path::Stock));
+    for (what, (a, b)) in ["y", "statistics", "∂x", "∂w", "∂γ", "∂β"].into_iter().zip(ours.iter().zip(&theirs))
+    {
+        same(&format!("{what} of {x:?} → {outputs}, dilation {dilation}"), a, b);
+    }
+}
+
+#[test]
+fn convolution_with_normalisation_and_elu_is_burns() {
+    check_norm_elu([2, 5, 16, 24], 16, 1);
+    check_norm_elu([1, 16, 9, 50], 64, 1);
+    check_norm_elu([2, 24, 8, 6], 40, 2);
+    check_norm_elu([2, 8, 6, 8], 16, 4);
+    check_norm_elu([1, 8, 20, 20], 8, 16);
+    check_norm_elu([1, 4, 5, 6, 20], 8, 1);
+    check_norm_elu([2, 8, 4, 7, 9], 8, 1);
+}
+
+#[test]
+fn convolution_with_tanh_is_burns() {
+    let run = |path| {
+        let leaves = (
+            random(1, [2, 8, 10, 20]).require_grad(),
+            random(2, [6, 8, 3, 3]).require_grad(),
+            random(3, [6]).require_grad(),
+        );
+        let y = conv_tanh(leaves.0.clone(), leaves.1.clone(), leaves.2.clone(), (1, 4.0), path);
+        let gradients = (y.clone() * random(5, [2, 6, 10, 20])).sum().backward();
+        let (x, w, b) = (
+            leaves.0.grad(&gradients).unwrap(),
+            leaves.1.grad(&gradients).unwrap(),
+            leaves.2.grad(&gradients).unwrap(),
+        );
+        [values(y), values(x), values(w), values(b)]
+    };
+    for (a, b) in run(Path::Own).iter().zip(&run(Path::Stock)) {
+        same("conv_tanh", a, b);
+    }
+}
+
+#[test]
+fn a_normalised_convolution_of_inference_is_burns() {
+    let run = |path| {
+        let norm = [random(3, [8]), random(4, [8]), random(5, [8]), random(6, [8]).abs()];
+        values(conv_folded_elu(random(1, [1, 4, 3, 10, 12]), random(2, [8, 4, 3, 3, 3]), norm, 1, path))
+    };
+    same("conv_folded_elu", &run(Path::Own), &run(Path::Stock));
+}
+
+#[test]
+fn pooling_and_joining_are_burns() {
+    let run = |path| {
+        let (low, skip) = (random(1, [2, 3, 4, 5]).require_grad(), random(2, [2, 2, 8, 10]).require_grad());
+        let joined = up_concat(low.clone(), skip.clone(), path);
+        let pooled = pool(joined.clone(), path);
+        let gradients = ((joined.clone() * random(3, [2, 5, 8, 10])).sum()
+            + (pooled.clone() * random(4, [2, 5, 4, 5])).sum())
+        .backward();
+        [values(joined), values(pooled), values(low.grad(&gradients).unwrap()), values(skip.grad(&gradients).unwrap())]
+    };
+    for (a, b) in run(Path::Own).iter().zip(&run(Path::Stock)) {
+        same("pool and up_concat", a, b);
+    }
+}

@@ -1,0 +1,306 @@
+//! A run of the trainer: loop, schedule, metrics, checkpoints, stopping.
+
+use std::fs::OpenOptions;
+use std::io::{IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+use crate::TrainError;
+use crate::batch::{Batch, Draw, Loader};
+use crate::checkpoint::{Checkpoint, Moments};
+use crate::config::{Config, Stage};
+use crate::nets::{Arch, Graph};
+use crate::step::{self, Report};
+
+/// File of a run's config, in its folder.
+pub const CONFIG_FILE: &str = "config.json";
+/// File of a run's depth net.
+pub const DEPTH_FILE: &str = "depth.safetensors";
+/// File of a run's occlusion net.
+pub const OCCLUSION_FILE: &str = "occlusion.safetensors";
+/// File of a run's metrics, one JSON object a line.
+pub const METRICS_FILE: &str = "metrics.jsonl";
+
+/// The nets of a run.
+pub struct Nets {
+    depth: Option<Checkpoint>,
+    occlusion: Option<Checkpoint>,
+}
+
+impl Nets {
+    /// Fresh nets, or those that `--init` and `--depth-from` name.
+    pub fn start(config: &Config) -> Result<Self, TrainError> {
+        let open = |path: &Option<PathBuf>, arch| match path {
+            Some(path) => Checkpoint::load(path)
+                .map(|c| Checkpoint { weights: c.weights, ..Checkpoint::new(c.arch, config.seed) }),
+            None => Ok(Checkpoint::new(arch, config.seed)),
+        };
+        match config.stage {
+            Stage::Depth => {
+                let mut net = open(&config.init, config.net)?;
+                if config.tie {
+                    net.weights.tie_views();
+                }
+                Ok(Self { depth: Some(net), occlusion: None })
+            }
+            Stage::Occlusion => {
+                let depth = config.depth_from.as_ref().map(|path| Checkpoint::load(path)).transpose()?;
+                Ok(Self { depth, occlusion: Some(open(&config.init, Arch::Occlusion)?) })
+            }
+            Stage::Joint => Ok(Self {
+                depth: Some(open(&config.depth_from, config.net)?),
+                occlusion: Some(open(&config.init, Arch::Occlusion)?),
+            }),
+        }
+    }
+
+    /// The nets of a run's folder, to go on with.
+    pub fn resume(config: &Config, folder: &Path) -> Result<Self, TrainError> {
+        let open = |name: &str| Checkpoint::load(&folder.join(name));
+        match config.stage {
+            Stage::Depth => Ok(Self { depth: Some(open(DEPTH_FILE)?), occlusion: None }),
+            Stage::Occlusion => {
+                let depth = config.depth_from.as_ref().map(|path| Checkpoint::load(path)).transpose()?;
+                Ok(Self { depth, occlusion: Some(open(OCCLUSION_FILE)?) })
+            }
+            Stage::Joint => Ok(Self { depth: Some(open(DEPTH_FILE)?), occlusion: Some(open(OCCLUSION_FILE)?) }),
+        }
+    }
+
+    /// The net whose progress is the run's.
+    pub fn main(&self, stage: Stage) -> Option<&Checkpoint> {
+        if stage == Stage::Occlusion { self.occlusion.as_ref() } else { self.depth.as_ref() }
+    }
+
+    fn trained(&mut self, stage: Stage) -> impl Iterator<Item = &mut Checkpoint> {
+        let depth = if stage == Stage::Occlusion { None } else { self.depth.as_mut() };
+        depth.into_iter().chain(self.occlusion.as_mut())
+    }
+
+    fn save(&self, config: &Config) -> Result<(), TrainError> {
+        if let (Some(net), true) = (&self.depth, config.stage != Stage::Occlusion) {
+            net.save(&config.out.join(DEPTH_FILE), Moments::Exact)?;
+        }
+        if let Some(net) = &self.occlusion {
+            net.save(&config.out.join(OCCLUSION_FILE), Moments::Exact)?;
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
+        match (config.stage, &mut self.depth, &mut self.occlusion) {
+            (Stage::Depth, Some(net), _) => step::depth_step(net, &net.arch.graph(), batch, config, done),
+            (Stage::Occlusion, depth, Some(net)) => {
+                let depths = match depth {
+                    Some(depth) => step::infer_depths(&depth.weights, &depth.arch.graph(), batch, config)?,
+                    None => batch.truth.clone(),
+                };
+                step::occlusion_step(net, &net.arch.graph(), batch, &depths, config, done)
+            }
+            (Stage::Joint, Some(depth), Some(occlusion)) => {
+                let graphs: [Graph; 2] = [depth.arch.graph(), occlusion.arch.graph()];
+                let mut nets = [depth.clone(), occlusion.clone()];
+                let report = step::joint_step(&mut nets, &graphs, batch, config, done)?;
+                [*depth, *occlusion] = nets;
+                Ok(report)
+            }
+            _ => Err(TrainError::Missing { name: "net of this stage".into() }),
+        }
+    }
+}
+
+/// Trains until the schedule ends or `stop` is set; saves either way. Returns the nets.
+pub fn train(config: &Config, mut nets: Nets, draw: &Draw, stop: &AtomicBool) -> Result<Nets, TrainError> {
+    prepare(config)?;
+    let mut progress = nets.main(config.stage).map(|net| net.progress.clone()).unwrap_or_default();
+    let mut loader = Loader::new(draw, progress.step, config.loaders)?;
+    let bar = progress_bar();
+    let mut log = Log::new(&config.out.join(METRICS_FILE))?;
+    let (started, before) = (Instant::now(), progress.secs);
+    let mut saved = Instant::now();
+    loop {
+        let done = config.secs.map_or(progress.step as f64 / config.steps.max(1) as f64, |secs| progress.secs / secs);
+        if done >= 1.0 || stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let waiting = Instant::now();
+        let batch = loader.next_batch()?;
+        log.wait_secs += waiting.elapsed().as_secs_f64();
+        let report = nets.step(&batch, config, done)?;
+        check_numbers(&report, progress.step, config, &batch)?;
+        progress.step += 1;
+        progress.samples += batch.maps.samples as u64;
+        progress.secs = before + started.elapsed().as_secs_f64();
+        nets.trained(config.stage).for_each(|net| net.progress = progress.clone());
+        log.add(&report);
+        if progress.step.is_multiple_of(config.log_steps.max(1)) {
+            let line = log.write(config, &progress, done)?;
+            bar.set_position((1000.0 * done) as u64);
+            bar.set_message(line);
+        }
+        if saved.elapsed().as_secs_f64() > config.save_secs {
+            nets.save(config)?;
+            saved = Instant::now();
+        }
+    }
+    nets.save(config)?;
+    bar.finish();
+    Ok(nets)
+}
+
+/// Makes the run's folder and puts the config there.
+fn prepare(config: &Config) -> Result<(), TrainError> {
+    let path = config.out.join(CONFIG_FILE);
+    let failed = |source| TrainError::File { action: "write the run's config", source, path: path.clone() };
+    std::fs::create_dir_all(&config.out).map_err(failed)?;
+    std::fs::write(&path, format!("{:#}\n", json!(config))).map_err(failed)
+}
+
+fn check_numbers(report: &Report, step: u64, config: &Config, batch: &Batch) -> Result<(), TrainError> {
+    if report.norm.is_finite() && report.parts.values().all(|v| v.is_finite()) {
+        return Ok(());
+    }
+    Err(TrainError::NotANumber { step, seed: config.seed, first_sample: batch.first_sample })
+}
+
+fn progress_bar() -> ProgressBar {
+    if !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{wide_bar} {percent}% {eta} left\n{msg}")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(1000).with_style(style)
+}
+
+/// Means of the reports since the last line.
+struct Log {
+    path: PathBuf,
+    sums: std::collections::BTreeMap<&'static str, f64>,
+    norm: f64,
+    count: u64,
+    wait_secs: f64,
+    since: Instant,
+}
+
+impl Log {
+    fn new(path: &Path) -> Result<Self, TrainError> {
+        let log = Self {
+            path: path.to_owned(),
+            sums: Default::default(),
+            norm: 0.0,
+            count: 0,
+            wait_secs: 0.0,
+            since: Instant::now(),
+        };
+        log.append("")?;
+        Ok(log)
+    }
+
+    fn append(&self, text: &str) -> Result<(), TrainError> {
+        let opened = OpenOptions::new().create(true).append(true).open(&self.path);
+        let written = opened.and_then(|mut file| file.write_all(text.as_bytes()));
+        written.map_err(|source| TrainError::File { action: "write the metrics", source, path: self.path.clone() })
+    }
+
+    fn add(&mut self, report: &Report) {
+        for (name, value) in &report.parts {
+            *self.sums.entry(name).or_default() += f64::from(*value);
+        }
+        self.norm += f64::from(report.norm);
+        self.count += 1;
+    }
+
+    /// Writes a line of means and begins anew.
+    fn write(
+        &mut self,
+        config: &Config,
+        progress: &crate::checkpoint::Progress,
+        done: f64,
+    ) -> Result<String, TrainError> {
+        let n = self.count.max(1) as f64;
+        let round = |v: f64| (v * 1e5).round() / 1e5;
+        let losses: serde_json::Map<_, _> =
+            self.sums.iter().map(|(name, sum)| ((*name).to_owned(), json!(round(sum / n)))).collect();
+        let line = json!({
+            "step": progress.step, "samples": progress.samples, "secs": round(progress.secs), "done": round(done),
+            "lr": config.learning_rate(progress.step, done), "norm": round(self.norm / n),
+            "secs_per_step": round(self.since.elapsed().as_secs_f64() / n), "wait_secs": round(self.wait_secs), "losses": losses,
+        });
+        self.append(&format!("{line}\n"))?;
+        *self = Self {
+            path: self.path.clone(),
+            sums: Default::default(),
+            norm: 0.0,
+            count: 0,
+            wait_secs: 0.0,
+            since: Instant::now(),
+        };
+        Ok(line.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::tests::toy;
+    use crate::nets::Arch;
+
+    fn config(out: &Path, steps: u64) -> Config {
+        let plain =
+            Config { net: Arch::Tiny, out: out.to_owned(), steps: 100, warm_up: 2, log_steps: 1, ..Config::default() };
+        Config { secs: None, steps: plain.steps.min(steps), lr_end: 1.0, ..plain }
+    }
+
+    fn weights(nets: &Nets) -> &Checkpoint {
+        nets.main(Stage::Depth).unwrap()
+    }
+
+    #[test]
+    fn a_resumed_run_is_the_uninterrupted_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let (stop, draw) = (AtomicBool::new(false), toy(2, (16, 8)));
+        let whole = config(&folder.path().join("whole"), 6);
+        let nets = train(&whole, Nets::start(&whole).unwrap(), &draw, &stop).unwrap();
+        let half = config(&folder.path().join("half"), 3);
+        train(&half, Nets::start(&half).unwrap(), &draw, &stop).unwrap();
+        let rest = Config { steps: 6, ..half };
+        let resumed = train(&rest, Nets::resume(&rest, &rest.out).unwrap(), &draw, &stop).unwrap();
+        assert_eq!(weights(&nets).weights, weights(&resumed).weights);
+        assert_eq!(weights(&nets).adam, weights(&resumed).adam);
+    }
+
+    #[test]
+    fn one_batch_is_learned_by_heart() {
+        let folder = tempfile::tempdir().unwrap();
+        let toy = toy(2, (16, 8));
+        let one: Draw = std::sync::Arc::new(move |_| toy(0));
+        let config = Config { lr: 1e-2, ..config(folder.path(), 100) };
+        let nets = train(&config, Nets::start(&config).unwrap(), &one, &AtomicBool::new(false)).unwrap();
+        let text = std::fs::read_to_string(folder.path().join(METRICS_FILE)).unwrap();
+        let lines: Vec<serde_json::Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+        let loss = |line: &serde_json::Value| line["losses"]["supervised"].as_f64().unwrap();
+        assert!(loss(&lines[99]) < 0.5 * loss(&lines[0]), "{} → {}", loss(&lines[0]), loss(&lines[99]));
+        assert_eq!(weights(&nets).progress.step, 100);
+    }
+
+    #[test]
+    fn a_loss_that_is_no_number_stops_the_run_and_names_the_step() {
+        let folder = tempfile::tempdir().unwrap();
+        let toy = toy(2, (16, 8));
+        let poisoned: Draw = std::sync::Arc::new(move |number| {
+            let mut batch = toy(number)?;
+            if number == 2 {
+                batch.views[0] = f32::NAN;
+            }
+            Ok(batch)
+        });
+        let config = config(folder.path(), 5);
+        let result = train(&config, Nets::start(&config).unwrap(), &poisoned, &AtomicBool::new(false));
+        let text = result.err().unwrap().to_string();
+        assert!(text.contains("step 2") && text.contains("samples 4"), "{text}");
+    }
+}

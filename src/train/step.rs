@@ -1,0 +1,261 @@
+//! One step of training: forward, losses, backward, optimiser.
+
+use std::collections::BTreeMap;
+
+use burn::tensor::Tensor;
+
+use crate::TrainError;
+use crate::batch::Batch;
+use crate::checkpoint::Checkpoint;
+use crate::config::{Config, LossWeights};
+use crate::loss::{self, Maps};
+use crate::nets::{Graph, Mode, Tape, Weights, values};
+use crate::ops::Path;
+use crate::optimizer::Step;
+
+/// Values of the losses of a step, by name, before they are weighed.
+pub type Parts = BTreeMap<&'static str, f32>;
+
+/// What a step reports.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// The losses.
+    pub parts: Parts,
+    /// Norm of the gradient before clipping.
+    pub norm: f32,
+}
+
+/// Long side at which the losses' weights are meant; ray depths in px shrink with the picture.
+const UNIT_SIDE_PX: f32 = 288.0;
+
+/// All losses of a batch of predicted ray depths, and their weighed gradient.
+pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
+    let maps = &batch.maps;
+    let mut gradient = vec![0.0; depth.len()];
+    let g = &mut gradient[..];
+    let truth = &batch.truth[..];
+    let small = maps.width.max(maps.height) as f32 / UNIT_SIDE_PX;
+    let mut parts = Parts::new();
+    parts.insert("reference", reference_error(batch, depth) / small);
+    if weights.w_photometric > 0.0 {
+        parts.insert(
+            "photometric",
+            loss::photometric(maps, &batch.photos(), &batch.views, depth, weights.w_photometric, g),
+        );
+    }
+    if weights.w_supervised > 0.0 {
+        parts.insert("supervised", loss::supervised(depth, truth, weights.w_supervised / small, g) / small);
+    }
+    if weights.w_row > 0.0 {
+        parts.insert("row", loss::row_centred(maps, depth, truth, weights.w_row / small, g) / small);
+    }
+    if weights.w_ordinal > 0.0 {
+        let apart = weights.ordinal_apart_px * small;
+        parts.insert("ordinal", loss::ordinal(maps, depth, truth, apart, weights.w_ordinal / small, g) / small);
+    }
+    if weights.w_affine > 0.0 {
+        let size = maps.views.len() * maps.plane();
+        let fits: Vec<_> = depth.chunks(size).zip(truth.chunks(size)).map(|(d, t)| loss::affine_fit(d, t)).collect();
+        parts.insert(
+            "affine",
+            loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
+        );
+    }
+    smoothness(maps, depth, weights, small, g, &mut parts);
+    (parts, gradient)
+}
+
+/// Mean |D − D*| of the reference views alone: a figure to watch, not a loss.
+fn reference_error(batch: &Batch, depth: &[f32]) -> f32 {
+    let (plane, all) = (batch.maps.plane(), batch.maps.views.len() * batch.maps.plane());
+    let pairs = depth.chunks(all).zip(batch.truth.chunks(all)).flat_map(|(d, t)| d[..plane].iter().zip(&t[..plane]));
+    let errors: Vec<f32> = pairs.filter(|(_, t)| !t.is_nan()).map(|(d, t)| (d - t).abs()).collect();
+    errors.iter().sum::<f32>() / errors.len().max(1) as f32
+}
+
+fn smoothness(maps: &Maps, depth: &[f32], weights: &LossWeights, small: f32, g: &mut [f32], parts: &mut Parts) {
+    if weights.w_consistency > 0.0 {
+        parts.insert("consistency", loss::consistency(maps, depth, weights.w_consistency / small, g) / small);
+    }
+    if weights.w_tv > 0.0 {
+        parts.insert("tv", loss::total_variation(maps, depth, weights.w_tv / small, g) / small);
+    }
+}
+
+/// The scalar whose gradient with respect to `y` is `gradient`: Σ y·gradient. Losses are computed outside the tensor
+/// library; this is how their gradient enters its backward pass.
+fn with_gradient<const D: usize>(tape: &Tape<'_>, y: Tensor<D>, gradient: Vec<f32>) -> Tensor<1> {
+    let shape = y.dims();
+    (y * tape.input(gradient, shape)).sum()
+}
+
+fn path(config: &Config) -> Path {
+    if config.stock { Path::Stock } else { Path::Own }
+}
+
+fn update(
+    net: &mut Checkpoint,
+    config: &Config,
+    done: f64,
+    gradients: &[(usize, Vec<f32>)],
+    statistics: &[(String, Vec<f32>)],
+) -> f32 {
+    let lr = config.learning_rate(net.progress.step, done);
+    net.weights.follow(statistics, config.momentum);
+    net.adam.step(&mut net.weights, gradients, Step { lr, weight_decay: config.weight_decay, clip: config.clip })
+}
+
+/// A step of the depth net alone; `done` = 0 … 1 of the run behind it.
+pub fn depth_step(
+    net: &mut Checkpoint,
+    graph: &Graph,
+    batch: &Batch,
+    config: &Config,
+    done: f64,
+) -> Result<Report, TrainError> {
+    let weights = net.weights.clone();
+    let mut tape = Tape::new(&weights, Mode::Train, path(config));
+    let y = predict(&mut tape, graph, batch)?;
+    let depth = values(y.clone());
+    let (parts, gradient) = depth_losses(batch, &depth, &config.losses);
+    let gradients = with_gradient(&tape, y, gradient).backward();
+    let (mut gradients, statistics) = tape.finish_step(&gradients);
+    share_rows(&weights, &mut gradients, &batch.maps.views);
+    let norm = update(net, config, done, &gradients, &statistics);
+    Ok(Report { parts, norm })
+}
+
+/// Rows of the last layer whose views a step leaves out get the mean gradient of those it computes: the features
+/// change under all of them, and a row that stood still while they do would lag behind.
+fn share_rows(weights: &Weights, gradients: &mut [(usize, Vec<f32>)], views: &[usize]) {
+    for (at, gradient) in gradients.iter_mut().filter(|(at, _)| weights.tensors[*at].name.starts_with("last.")) {
+        let row = gradient.len() / weights.tensors[*at].shape[0];
+        let mut mean = vec![0.0; row];
+        for view in views {
+            let own = &gradient[view * row..][..row];
+            mean.iter_mut().zip(own).for_each(|(m, g)| *m += g / views.len() as f32);
+        }
+        for (view, own) in gradient.chunks_mut(row).enumerate().filter(|(view, _)| !views.contains(view)) {
+            debug_assert!(own.iter().all(|g| *g == 0.0), "view {view} was left out");
+            own.copy_from_slice(&mean);
+        }
+    }
+}
+
+/// The depth net on a batch's reference views: `[n, views of the batch, h, w]`.
+fn predict(tape: &mut Tape<'_>, graph: &Graph, batch: &Batch) -> Result<Tensor<4>, TrainError> {
+    let maps = &batch.maps;
+    graph.check_size(maps.width, maps.height)?;
+    let shape = [maps.samples, graph.input_channels(), maps.height, maps.width];
+    let x = tape.input(batch.net_input(graph.arch.has_coordinates()), shape);
+    tape.run2(graph, x, Some(&maps.views))
+}
+
+/// Ray depths that a depth net gives for a batch, from its running statistics.
+pub fn infer_depths(weights: &Weights, graph: &Graph, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
+    let mut tape = Tape::new(weights, Mode::Infer, path(config));
+    predict(&mut tape, graph, batch).map(values)
+}
+
+/// A step of the occlusion net: ‖L̂ − L‖₁ with L̂ = õ(L_r, D) + L_r (paper, §4.3), views rendered with `depth`.
+pub fn occlusion_step(
+    net: &mut Checkpoint,
+    graph: &Graph,
+    batch: &Batch,
+    depth: &[f32],
+    config: &Config,
+    done: f64,
+) -> Result<Report, TrainError> {
+    let weights = net.weights.clone();
+    let mut tape = Tape::new(&weights, Mode::Train, path(config));
+    let rendered = loss::rendered_views(&batch.maps, &batch.photos(), depth);
+    let x = occlusion_input(&tape, &batch.maps, &rendered, depth);
+    let residual = tape.run3(graph, x)?;
+    let (parts, gradient) = occlusion_loss(batch, &rendered, &values(residual.clone()));
+    let gradients = with_gradient(&tape, residual, gradient).backward();
+    let (gradients, statistics) = tape.finish_step(&gradients);
+    let norm = update(net, config, done, &gradients, &statistics);
+    Ok(Report { parts, norm })
+}
+
+/// `[n, 4, v, h, w]`: the rendered views in −1 … 1, then their ray depths.
+fn occlusion_input(tape: &Tape<'_>, maps: &Maps, rendered: &[f32], depth: &[f32]) -> Tensor<5> {
+    let (p, nv) = (maps.plane(), maps.views.len());
+    let mut input = Vec::with_capacity(4 * maps.len());
+    for n in 0..maps.samples {
+        for c in 0..3 {
+            for v in 0..nv {
+                input.extend(rendered[((n * nv + v) * 3 + c) * p..][..p].iter().map(|v| 2.0 * v - 1.0));
+            }
+        }
+        input.extend(&depth[n * nv * p..][..nv * p]);
+    }
+    tape.input(input, [maps.samples, 4, nv, maps.height, maps.width])
+}
+
+/// Mean |L_r + õ − L| over views, colours and pixels in 0 … 1, its gradient with respect to the residual
+/// `[n, 3, v, h, w]` in −1 … 1, and beside it the same without the residual.
+fn occlusion_loss(batch: &Batch, rendered: &[f32], residual: &[f32]) -> (Parts, Vec<f32>) {
+    let (p, nv) = (batch.maps.plane(), batch.maps.views.len());
+    let mut gradient = vec![0.0; residual.len()];
+    let (mut full, mut plain) = (0.0f64, 0.0f64);
+    for (i, g) in gradient.iter_mut().enumerate() {
+        let (n, c, v) = (i / (3 * nv * p), i / (nv * p) % 3, i / p % nv);
+        let at = ((n * nv + v) * 3 + c) * p + i % p;
+        let without = rendered[at] - batch.views[at];
+        let with = without + 0.5 * residual[i];
+        plain += f64::from(without.abs());
+        full += f64::from(with.abs());
+        *g = if with == 0.0 { 0.0 } else { with.signum() / residual.len() as f32 };
+    }
+    let mean = |sum: f64| (sum / residual.len() as f64) as f32;
+    (Parts::from([("full", mean(full)), ("lambertian", mean(plain))]), gradient)
+}
+
+/// A step of both nets as the paper does: ‖L_r − L‖₁ + ‖L̂ − L‖₁ + λ_c ψ_c + λ_tv ψ_tv. The ray depths enter the
+/// occlusion net with their gradient stopped; the rendered views do not.
+pub fn joint_step(
+    nets: &mut [Checkpoint; 2],
+    graphs: &[Graph; 2],
+    batch: &Batch,
+    config: &Config,
+    done: f64,
+) -> Result<Report, TrainError> {
+    let [depth_net, occlusion_net] = nets;
+    let (depth_weights, occlusion_weights) = (depth_net.weights.clone(), occlusion_net.weights.clone());
+    let mut depth_tape = Tape::new(&depth_weights, Mode::Train, path(config));
+    let y = predict(&mut depth_tape, &graphs[0], batch)?;
+    let depth = values(y.clone());
+    let (mut parts, mut gradient) = depth_losses(batch, &depth, &config.losses);
+
+    let mut tape = Tape::new(&occlusion_weights, Mode::Train, path(config));
+    let rendered = loss::rendered_views(&batch.maps, &batch.photos(), &depth);
+    let x = occlusion_input(&tape, &batch.maps, &rendered, &depth).require_grad();
+    let residual = tape.run3(&graphs[1], x.clone())?;
+    let (more, to_residual) = occlusion_loss(batch, &rendered, &values(residual.clone()));
+    let gradients = with_gradient(&tape, residual, to_residual.clone()).backward();
+    let through_net = x.grad(&gradients).map(values).unwrap_or_default();
+    let to_views = gradient_of_views(&batch.maps, &to_residual, &through_net);
+    loss::rendered_gradient(&batch.maps, &batch.photos(), &depth, &to_views, &mut gradient);
+    parts.extend(more);
+
+    let (gradients, statistics) = tape.finish_step(&gradients);
+    update(occlusion_net, config, done, &gradients, &statistics);
+    let gradients = with_gradient(&depth_tape, y, gradient).backward();
+    let (gradients, statistics) = depth_tape.finish_step(&gradients);
+    let norm = update(depth_net, config, done, &gradients, &statistics);
+    Ok(Report { parts, norm })
+}
+
+/// Gradient with respect to the rendered views `[n, v, 3, h, w]` in 0 … 1: directly (L̂ contains L_r; twice that of the
+/// residual, which is in −1 … 1) and through the net's input, whose depth channel is left out.
+fn gradient_of_views(maps: &Maps, to_residual: &[f32], through_net: &[f32]) -> Vec<f32> {
+    let (p, nv) = (maps.plane(), maps.views.len());
+    let mut to_views = vec![0.0; to_residual.len()];
+    for (i, direct) in to_residual.iter().enumerate() {
+        let (n, c, v) = (i / (3 * nv * p), i / (nv * p) % 3, i / p % nv);
+        let input = ((n * 4 + c) * nv + v) * p + i % p;
+        to_views[((n * nv + v) * 3 + c) * p + i % p] = 2.0 * (direct + through_net[input]);
+    }
+    to_views
+}
