@@ -12,7 +12,7 @@ use crate::loss::Maps;
 /// Samples of one size and one set of views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
-    /// Sizes; `views[0]` is the reference view.
+    /// Sizes; the reference view is among the views.
     pub maps: Maps,
     /// Number of the first sample in the data engine's order.
     pub first_sample: u64,
@@ -28,7 +28,8 @@ impl Batch {
     /// The reference views `[n, 3, h, w]`.
     pub fn photos(&self) -> Vec<f32> {
         let (one, all) = (3 * self.maps.plane(), 3 * self.maps.plane() * self.maps.views.len());
-        self.views.chunks(all).flat_map(|views| &views[..one]).copied().collect()
+        let from = self.maps.reference() * one;
+        self.views.chunks(all).flat_map(|views| &views[from..from + one]).copied().collect()
     }
 
     /// What the depth net is given: `[n, 3 or 5, h, w]`, colours in −1 … 1, then y and x in −1 … 1 over the whole picture.
@@ -123,7 +124,7 @@ pub(crate) mod tests {
     /// Small random batches with true depths that follow the picture's brightness.
     pub(crate) fn toy(samples: usize, size: (usize, usize)) -> Draw {
         Arc::new(move |number| {
-            let maps = Maps { samples, views: vec![REFERENCE, 0, 37], height: size.1, width: size.0 };
+            let maps = Maps { samples, views: vec![0, REFERENCE, 37], height: size.1, width: size.0 };
             let mut rng = Rng::new(5, number);
             let views: Vec<f32> = (0..3 * maps.len()).map(|_| rng.unit()).collect();
             let truth =
@@ -145,6 +146,13 @@ pub(crate) mod tests {
         for number in 3..20 {
             assert_eq!(loader.next_batch().unwrap(), draw(number).unwrap());
         }
+    }
+
+    #[test]
+    fn the_photo_is_the_reference_view_wherever_it_stands() {
+        let batch = toy(2, (2, 2))(0).unwrap();
+        assert_eq!(batch.photos()[..12], batch.views[12..24]);
+        assert_eq!(batch.photos()[12..], batch.views[48..60]);
     }
 
     #[test]

@@ -46,8 +46,10 @@ struct Entry {
 pub enum Moments {
     /// As they are: the run goes on exactly.
     Exact,
-    /// As bf16: half the file, the run goes on to within rounding.
+    /// As bf16: the run goes on to within rounding.
     Half,
+    /// Not at all: a third of the file. A run goes on from the weights, its moments anew.
+    Without,
 }
 
 impl Checkpoint {
@@ -103,19 +105,11 @@ impl Checkpoint {
         };
         for (i, tensor) in self.weights.tensors.iter().enumerate() {
             put(tensor.name.clone(), &tensor.shape, &tensor.values, false);
-            if tensor.trained {
-                put(
-                    format!("adam.first.{}", tensor.name),
-                    &tensor.shape,
-                    &self.adam.first[i],
-                    moments == Moments::Half,
-                );
-                put(
-                    format!("adam.second.{}", tensor.name),
-                    &tensor.shape,
-                    &self.adam.second[i],
-                    moments == Moments::Half,
-                );
+            if tensor.trained && moments != Moments::Without {
+                for (which, moment) in [("first", &self.adam.first[i]), ("second", &self.adam.second[i])] {
+                    let name = format!("adam.{which}.{}", tensor.name);
+                    put(name, &tensor.shape, moment, moments == Moments::Half);
+                }
             }
         }
         let text = |value: serde_json::Value| serde_json::Value::String(value.to_string());
@@ -123,6 +117,7 @@ impl Checkpoint {
             "arch": self.arch.name(),
             "progress": text(serde_json::json!(self.progress)),
             "adam_steps": text(serde_json::json!(self.adam.steps)),
+            "moments": if moments == Moments::Without { "none" } else { "all" },
         });
         header.insert("__metadata__".to_owned(), metadata);
         let header = serde_json::json!(header).to_string();
@@ -153,16 +148,18 @@ impl Checkpoint {
         };
         let mut weights = Weights::random(&arch.graph(), 0);
         let mut adam = AdamW::new(&weights);
+        let with_moments = text("moments") != Some("none");
         for (i, tensor) in weights.tensors.iter_mut().enumerate() {
             load_into(tensor, read(&tensor.name)?)?;
-            if tensor.trained {
-                adam.first[i] =
-                    read(&format!("adam.first.{}", tensor.name)).filter(|v| v.len() == tensor.values.len())?;
-                adam.second[i] =
-                    read(&format!("adam.second.{}", tensor.name)).filter(|v| v.len() == tensor.values.len())?;
+            if tensor.trained && with_moments {
+                let fits = |v: &Vec<f32>| v.len() == tensor.values.len();
+                let moment = |which: &str| read(&format!("adam.{which}.{}", tensor.name)).filter(fits);
+                (adam.first[i], adam.second[i]) = (moment("first")?, moment("second")?);
             }
         }
-        adam.steps = serde_json::from_str(text("adam_steps")?).ok()?;
+        if with_moments {
+            adam.steps = serde_json::from_str(text("adam_steps")?).ok()?;
+        }
         Some(Self { arch, weights, adam, progress: serde_json::from_str(text("progress")?).ok()? })
     }
 }
@@ -190,6 +187,9 @@ mod tests {
         assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
         checkpoint.save(&path, Moments::Half).unwrap();
         assert_eq!(Checkpoint::load(&path).unwrap().adam.first[0][0], 0.125);
+        checkpoint.save(&path, Moments::Without).unwrap();
+        let loaded = Checkpoint::load(&path).unwrap();
+        assert_eq!((&loaded.weights, loaded.adam), (&checkpoint.weights, AdamW::new(&checkpoint.weights)));
     }
 
     #[test]

@@ -190,7 +190,9 @@ impl Config {
                 crop: vec![(96, 96)],
                 views: 64,
                 batch: 1,
-                long_side: 192,
+                long_side: 288,
+                // Scenes whose ray depths are known everywhere, and what is hidden with them.
+                mix: "lifted=0.6,collage=0.4".into(),
                 steps: 4000,
                 ..everyday
             },

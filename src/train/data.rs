@@ -59,25 +59,27 @@ pub fn draw(config: &Config) -> Result<Draw, TrainError> {
     }))
 }
 
-/// Samples of one size and one set of views as a batch.
+/// Samples of one size and one set of views as a batch, views ascending.
 pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainError> {
     let first = samples.first().ok_or_else(|| TrainError::Data { why: "a batch of no samples".into() })?;
     let (size, layers) = (first.size, first.views.clone());
     if samples.iter().any(|s| s.size != size || s.views != layers) {
         return Err(TrainError::Data { why: "samples of one batch differ in size or views".into() });
     }
-    let maps = Maps { samples: samples.len(), views: layers, height: size[1], width: size[0] };
-    let mut batch = Batch {
-        first_sample,
-        views: Vec::with_capacity(3 * maps.len()),
-        truth: Vec::with_capacity(maps.len()),
-        yx: Vec::new(),
-        maps,
-    };
+    let mut order: Vec<usize> = (0..layers.len()).collect();
+    order.sort_by_key(|&i| layers[i]);
+    let views = order.iter().map(|&i| layers[i]).collect();
+    let maps = Maps { samples: samples.len(), views, height: size[1], width: size[0] };
+    let plane = maps.plane();
+    let mut batch = Batch { first_sample, views: Vec::new(), truth: Vec::new(), yx: Vec::new(), maps };
     for sample in samples {
-        let unknown = || vec![f32::NAN; batch.maps.views.len() * batch.maps.plane()];
-        batch.truth.extend(sample.disparity.unwrap_or_else(unknown));
-        batch.views.extend(sample.rgb);
+        for &i in &order {
+            batch.views.extend(&sample.rgb[3 * i * plane..][..3 * plane]);
+            match &sample.disparity {
+                Some(disparity) => batch.truth.extend(&disparity[i * plane..][..plane]),
+                None => batch.truth.extend(std::iter::repeat_n(f32::NAN, plane)),
+            }
+        }
         batch.yx.push(sample.yx);
     }
     Ok(batch)

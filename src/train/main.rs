@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context as _, Result};
 use clap::{ArgMatches, Args as _, Command, arg, value_parser};
 use plenoscope_train::checkpoint::{Checkpoint, Moments};
-use plenoscope_train::config::Config;
+use plenoscope_train::config::{Config, Preset};
 use plenoscope_train::export::{self, About};
-use plenoscope_train::{bench, data, run};
+use plenoscope_train::{bench, data, eslf, eval, run, scenes};
 
 fn main() -> ExitCode {
     let matches = command().get_matches();
@@ -20,6 +20,8 @@ fn main() -> ExitCode {
         Some(("train", matches)) => train(matches),
         Some(("export", matches)) => export(matches),
         Some(("bench", matches)) => bench(matches),
+        Some(("eval", matches)) => eval::run(matches).map(|text| print!("{text}")),
+        Some(("data", matches)) => scenes::write::run(matches).map(|text| print!("{text}")),
         _ => Ok(()),
     };
     match done {
@@ -42,6 +44,8 @@ fn command() -> Command {
         .subcommand(Config::augment_args(Command::new("train").about("Train a net, or go on with a run")).arg(resume))
         .subcommand(export_command())
         .subcommand(bench_command())
+        .subcommand(eval::command())
+        .subcommand(scenes::write::command())
 }
 
 fn export_command() -> Command {
@@ -58,7 +62,7 @@ fn export_command() -> Command {
         )
         .arg(arg!(--"long-side" <PX> "Working long side").value_parser(value_parser!(usize)).required(true))
         .arg(
-            arg!(--checkpoint <FILE> "Also save a checkpoint with moments at half precision, to resume from")
+            arg!(--checkpoint <FILE> "Also save a small checkpoint, without moments, to start from")
                 .required(false)
                 .value_parser(value_parser!(PathBuf)),
         )
@@ -84,7 +88,7 @@ fn train(matches: &ArgMatches) -> Result<()> {
         Some(folder) => run::Nets::resume(&config, folder)?,
         None => run::Nets::start(&config)?,
     };
-    let draw = data::draw(&config)?;
+    let draw = if config.preset == Preset::Paper { eslf::draw(&config)? } else { data::draw(&config)? };
     run::train(&config, nets, &draw, &stop)?;
     Ok(())
 }
@@ -104,7 +108,7 @@ fn export(matches: &ArgMatches) -> Result<()> {
     };
     let (folder, difference) = export::export(&net, &about, &required::<PathBuf>(matches, "models")?)?;
     if let Some(path) = matches.get_one::<PathBuf>("checkpoint") {
-        net.save(path, Moments::Half)?;
+        net.save(path, Moments::Without)?;
     }
     eprintln!("{} (differs from the trained net by at most {difference:.1e})", folder.display());
     Ok(())

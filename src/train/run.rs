@@ -13,6 +13,7 @@ use crate::TrainError;
 use crate::batch::{Batch, Draw, Loader};
 use crate::checkpoint::{Checkpoint, Moments};
 use crate::config::{Config, Stage};
+use crate::curves;
 use crate::nets::{Arch, Graph};
 use crate::step::{self, Report};
 
@@ -24,6 +25,8 @@ pub const DEPTH_FILE: &str = "depth.safetensors";
 pub const OCCLUSION_FILE: &str = "occlusion.safetensors";
 /// File of a run's metrics, one JSON object a line.
 pub const METRICS_FILE: &str = "metrics.jsonl";
+/// Its curves.
+pub const CURVES_FILE: &str = "curves.svg";
 
 /// The nets of a run.
 pub struct Nets {
@@ -144,10 +147,12 @@ pub fn train(config: &Config, mut nets: Nets, draw: &Draw, stop: &AtomicBool) ->
         }
         if saved.elapsed().as_secs_f64() > config.save_secs {
             nets.save(config)?;
+            curves::draw(&log.path, &config.out.join(CURVES_FILE))?;
             saved = Instant::now();
         }
     }
     nets.save(config)?;
+    curves::draw(&log.path, &config.out.join(CURVES_FILE))?;
     bar.finish();
     Ok(nets)
 }

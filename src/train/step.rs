@@ -68,7 +68,9 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
 /// Mean |D − D*| of the reference views alone: a figure to watch, not a loss.
 fn reference_error(batch: &Batch, depth: &[f32]) -> f32 {
     let (plane, all) = (batch.maps.plane(), batch.maps.views.len() * batch.maps.plane());
-    let pairs = depth.chunks(all).zip(batch.truth.chunks(all)).flat_map(|(d, t)| d[..plane].iter().zip(&t[..plane]));
+    let here = batch.maps.reference() * plane..(batch.maps.reference() + 1) * plane;
+    let samples = depth.chunks(all).zip(batch.truth.chunks(all));
+    let pairs = samples.flat_map(|(d, t)| d[here.clone()].iter().zip(&t[here.clone()]));
     let errors: Vec<f32> = pairs.filter(|(_, t)| !t.is_nan()).map(|(d, t)| (d - t).abs()).collect();
     errors.iter().sum::<f32>() / errors.len().max(1) as f32
 }

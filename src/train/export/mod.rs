@@ -3,7 +3,6 @@
 mod onnx;
 mod verify;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -90,10 +89,9 @@ fn manifest(net: &Checkpoint, about: &About, bytes: &[u8]) -> Result<String, Tra
 
 fn write_aside(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
     let failed = |source| TrainError::File { action: "write the model", source, path: path.to_owned() };
-    let mut file = tempfile::NamedTempFile::new_in(path.parent().unwrap_or(Path::new("."))).map_err(failed)?;
-    file.write_all(bytes).map_err(failed)?;
-    file.persist(path).map_err(|e| failed(e.error))?;
-    Ok(())
+    let aside = path.with_extension("part");
+    std::fs::write(&aside, bytes).map_err(failed)?;
+    std::fs::rename(&aside, path).map_err(failed)
 }
 
 #[cfg(test)]

@@ -11,12 +11,14 @@ pub use photometric::{photometric, rendered_gradient, rendered_views};
 pub use smooth::{consistency, total_variation};
 pub use supervised::{affine, affine_fit, ordinal, row_centred, supervised};
 
+use crate::nets::REFERENCE;
+
 /// Sizes of a batch of ray-depth maps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maps {
     /// Samples.
     pub samples: usize,
-    /// Numbers of the views in `[v, u]` order, the same for every sample.
+    /// Numbers of the views, ascending (`[v, u]` order), the same for every sample.
     pub views: Vec<usize>,
     /// Height in pixels.
     pub height: usize,
@@ -25,6 +27,11 @@ pub struct Maps {
 }
 
 impl Maps {
+    /// Place of the reference view among the views; the first one where it is missing.
+    pub fn reference(&self) -> usize {
+        self.views.iter().position(|view| *view == REFERENCE).unwrap_or(0)
+    }
+
     /// Pixels of one map.
     pub fn plane(&self) -> usize {
         self.height * self.width

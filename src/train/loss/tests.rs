@@ -1,7 +1,6 @@
 //! Finite differences of every loss, on maps that keep clear of its kinks.
 
 use super::*;
-use crate::nets::REFERENCE;
 use crate::rng::Rng;
 
 fn maps() -> Maps {
