@@ -11,8 +11,9 @@ use crate::job::{Cancelled, Job, Stage};
 
 /// A difference between neighbours beyond which they belong to different surfaces, in px per view step.
 pub(super) const STEP_PX: f32 = 0.2;
-/// Fixed-point steps that bring a start to its solution.
-const STEPS: usize = 3;
+/// Fixed-point steps at most, and the change in px that ends them.
+const STEPS: usize = 12;
+const SETTLED_PX: f32 = 1e-4;
 /// Marks a ray without a solution.
 const HOLE: f32 = f32::NEG_INFINITY;
 
@@ -52,7 +53,7 @@ pub(super) fn lift_view(reference: &DisparityMap, from: ViewOffset, out: &mut [f
             out[y * map.w + x] = solve(&map, &starts, from, x, y);
         }
     }
-    fill_holes(out, [map.w, map.h], from);
+    fill_holes(out, map.d, [map.w, map.h], from);
 }
 
 struct Map<'a> {
@@ -107,7 +108,9 @@ fn solve(map: &Map, starts: &[f32], from: ViewOffset, x: usize, y: usize) -> f32
         let near = &row[x.saturating_sub(1)..(x + 2).min(map.w)];
         nearest = near.iter().copied().fold(nearest, f32::max);
     }
-    settle(map, from, nearest, x, y).or_else(|| settle(map, from, own, x, y)).unwrap_or(own)
+    // A ray that leaves the reference picture was carried nowhere: the surface at the picture's edge goes on.
+    let starts = [nearest, own, map.d[y * map.w + x]];
+    starts.iter().find_map(|start| settle(map, from, *start, x, y)).unwrap_or(own)
 }
 
 /// Iterates `d ← D(x + u·d)` from a start; none where that leads to another surface.
@@ -121,13 +124,17 @@ fn settle(map: &Map, from: ViewOffset, start: f32, x: usize, y: usize) -> Option
         if (next - d).abs() > STEP_PX {
             return None;
         }
+        let change = (next - d).abs();
         d = next;
+        if change < SETTLED_PX {
+            break;
+        }
     }
     Some(d)
 }
 
 /// Rays without a solution take the farther of the two surfaces that they lie between, seen along the view's offset.
-fn fill_holes(out: &mut [f32], [w, h]: [usize; 2], from: ViewOffset) {
+fn fill_holes(out: &mut [f32], reference: &[f32], [w, h]: [usize; 2], from: ViewOffset) {
     let reach = from.du.abs().max(from.dv.abs());
     let (sx, sy) = (from.du / reach, from.dv / reach);
     let holes: Vec<usize> = (0..out.len()).filter(|i| out[*i] == HOLE).collect();
@@ -150,7 +157,7 @@ fn fill_holes(out: &mut [f32], [w, h]: [usize; 2], from: ViewOffset) {
         .map(|i| match (march(*i, 1.0), march(*i, -1.0)) {
             (Some(a), Some(b)) => a.min(b),
             (Some(a), None) | (None, Some(a)) => a,
-            (None, None) => 0.0,
+            (None, None) => reference[*i],
         })
         .collect();
     holes.iter().zip(filled).for_each(|(i, d)| out[*i] = d);

@@ -196,7 +196,6 @@ mod tests {
     use super::*;
     use crate::field::ViewGrid;
     use crate::job::Cancel;
-    use crate::synth::lambertian;
 
     /// A textured near square before a textured far plane, rendered exactly.
     fn scene(grid: ViewGrid, near: f32, far: f32) -> LightField {
@@ -226,19 +225,6 @@ mod tests {
                 assert!((got - want).abs() < 0.08, "{rows}×{cols} at {x},{y}: {got} where {want} was");
             }
         }
-    }
-
-    #[test]
-    fn a_view_rendered_from_the_found_depths_is_the_view() {
-        let grid = ViewGrid::PAPER;
-        let field = scene(grid, 0.6, -0.35);
-        let cancel = Cancel::default();
-        let depths = ray_depths(&field, &Job { cancel: &cancel, sink: &() }).unwrap();
-        let at = crate::field::ViewIndex { v: 3, u: 5 };
-        let made =
-            lambertian::render_view(&Signed::from_view(field.reference()), depths.view(at), grid.offset(at)).unwrap();
-        let error = made.rgba().iter().zip(field.view(at).rgba()).map(|(a, b)| f32::from(a.abs_diff(*b))).sum::<f32>();
-        assert!(error / made.rgba().len() as f32 <= 2.0, "mean error {}", error / made.rgba().len() as f32);
     }
 
     #[test]
