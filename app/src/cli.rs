@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use plenoscope::field::{FNumber, LensShape};
 use plenoscope::render::cpu::Colormap;
 
-use crate::values::{self, Pair, PictureSize, Range};
+use crate::values::{self, Pair, PictureSize, Range, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
 #[derive(Debug, Parser)]
@@ -69,6 +69,10 @@ pub enum Command {
     Depth(Depth),
     /// Write a light field in another format, or what is made of it
     Export(Export),
+    /// Put many photos through one recipe
+    Batch(Batch),
+    /// Time the nets, stage by stage
+    Bench(Bench),
     /// What a file is: format, size, views, depth that came with it
     Info(Info),
     /// Write the built-in sample photo and its disparity
@@ -126,6 +130,9 @@ pub struct SynthArgs {
     /// Leave the occlusion net out
     #[arg(long)]
     pub lambertian: bool,
+    /// Neither look for a light field of last time nor keep this one
+    #[arg(long)]
+    pub no_cache: bool,
 }
 
 /// Arguments of `refocus`.
@@ -138,6 +145,9 @@ pub struct Refocus {
     pub output: PathBuf,
     #[command(flatten)]
     pub lens: LensArgs,
+    /// An edit to apply, as the window keeps it; other arguments go before it
+    #[arg(long, value_name = "FILE.json")]
+    pub recipe: Option<PathBuf>,
     /// photo, light-field, or WxH; by default that of the photo, of a light field that of its views
     #[arg(long, value_name = "SIZE")]
     pub size: Option<PictureSize>,
@@ -292,6 +302,20 @@ pub struct Export {
     /// What to write
     #[arg(long = "as", value_enum, value_name = "KIND")]
     pub kind: ExportKind,
+    #[command(flatten)]
+    pub lens: LensArgs,
+    /// Size of the frames of focal-stack and animation: photo, light-field, or WxH to fit into
+    #[arg(long, value_name = "SIZE")]
+    pub size: Option<PictureSize>,
+    /// Frames of focal-stack and animation
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(2..=250))]
+    pub frames: u16,
+    /// Frames a second of animation
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=50))]
+    pub frames_per_second: u16,
+    /// What moves in animation
+    #[arg(long, value_enum, default_value_t = MotionKind::FocusPull)]
+    pub motion: MotionKind,
     /// Distance of the eyes of anaglyph and side-by-side, in view steps
     #[arg(long, value_name = "STEPS", default_value_t = 6.0, value_parser = values::eyes_apart)]
     pub eyes_apart: f32,
@@ -323,6 +347,81 @@ pub enum ExportKind {
     Ply,
     /// A JPEG with the ray depth inside, as phones write it
     Gdepth,
+    /// A folder of pictures focused from far to near, everything sharp, and each pixel's sharpest frame
+    FocalStack,
+    /// A GIF or an APNG, by its ending
+    Animation,
+}
+
+/// What moves in an animation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MotionKind {
+    /// The focus, from far to near
+    FocusPull,
+    /// The aperture, from f/28 to --f-number
+    ApertureRamp,
+    /// The eye, once round
+    Circle,
+}
+
+/// Arguments of `batch`.
+#[derive(Debug, Args)]
+pub struct Batch {
+    /// The photos
+    #[arg(required = true, value_name = "INPUT")]
+    pub inputs: Vec<PathBuf>,
+    /// The edit, as the window keeps it
+    #[arg(long, value_name = "FILE.json")]
+    pub recipe: PathBuf,
+    /// Folder for the pictures
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+    /// Make again what is there already
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// Arguments of `bench`.
+#[derive(Debug, Args)]
+pub struct Bench {
+    /// Width and height of the views; may be given more than once; by default 270x187 and 540x372
+    #[arg(long, value_name = "WxH")]
+    pub size: Vec<Size>,
+    /// Time what the program does with this photo, from the file to the light field
+    #[arg(long, value_name = "FILE", conflicts_with = "size")]
+    pub pipeline: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+    /// Take the nets from this folder instead of those in the program
+    #[arg(long, value_name = "DIR")]
+    pub models: Option<PathBuf>,
+    /// Threads that compute; 0 is one for each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub threads: u16,
+    /// Which code does the convolutions
+    #[arg(long, value_enum, default_value_t = EnginePath::Auto)]
+    pub path: EnginePath,
+    /// Run once and print the peak memory in MiB
+    #[arg(long, value_name = "WxH", hide = true)]
+    pub once: Option<Size>,
+}
+
+/// Code that does the convolutions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EnginePath {
+    /// The fastest that this processor has
+    Auto,
+    /// AVX-512
+    Avx512,
+    /// AVX2 and FMA
+    Avx2,
+    /// The same in plain Rust
+    Portable,
+    /// tract's own
+    Stock,
 }
 
 /// Colours of a depth map.

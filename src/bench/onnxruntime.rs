@@ -11,7 +11,7 @@ use super::timed;
 
 /// Both nets in ONNX Runtime, each with an input over the whole picture.
 pub(super) struct Engine {
-    nets: Vec<(Session, Vec<i64>, Vec<f32>)>,
+    nets: [(Session, Vec<i64>, Vec<f32>); 2],
 }
 
 impl Engine {
@@ -24,11 +24,7 @@ impl Engine {
             let values = numbers(shape.iter().product());
             Ok::<_, String>((session, shape.into_iter().map(|n| n as i64).collect(), values))
         };
-        let mut loaded = vec![load(&nets.depth_file.onnx, depth)?];
-        if let Some(file) = &nets.occlusion_file {
-            loaded.push(load(&file.onnx, occlusion)?);
-        }
-        Ok(Self { nets: loaded })
+        Ok(Self { nets: [load(&nets.depth_file.onnx, depth)?, load(&nets.occlusion_file.onnx, occlusion)?] })
     }
 
     /// Seconds of the depth net and of the occlusion net.

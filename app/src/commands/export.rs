@@ -7,7 +7,7 @@ use plenoscope::job::{Job, Stage};
 use plenoscope::render::cpu;
 
 use super::input::{self, Scene};
-use super::{light_field, output};
+use super::{light_field, output, series};
 use crate::cli::{Export, ExportKind, FieldFormat};
 
 /// Quality of the JPEG that carries the depth.
@@ -31,6 +31,11 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
         ExportKind::Anaglyph | ExportKind::SideBySide => {
             target.check()?;
             stereo_pair(args, &scene(job)?, job)
+        }
+        ExportKind::FocalStack => series::focal_stack(args, job),
+        ExportKind::Animation => {
+            target.check()?;
+            series::animation(args, job)
         }
         ExportKind::Ply => {
             target.check()?;

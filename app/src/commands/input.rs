@@ -8,8 +8,9 @@ use plenoscope::field::{DisparityMap, LightField, Photo, RayDepths};
 use plenoscope::io::formats::pfm;
 use plenoscope::io::{self, EmbeddedDepth, LightFieldFile, Opened, PhotoFile};
 use plenoscope::job::Job;
+use plenoscope::synth::cache::Cache;
 use plenoscope::synth::{
-    DepthSource, ModelSource, ModelTag, SynthParams, Synthesizer, lift, sweep, synthesize_from_map,
+    DepthSource, ModelSource, ModelTag, SynthParams, Synthesis, Synthesizer, lift, sweep, synthesize_from_map,
 };
 
 use crate::cli::SynthArgs;
@@ -31,6 +32,11 @@ impl Scene {
         };
         let depths = file.depths.clone().or_else(lifted);
         Self { field: file.field, depths, photo: None, models: Vec::new() }
+    }
+
+    fn made(made: Synthesis, file: &PhotoFile) -> Self {
+        let photo = Some(Arc::clone(&file.photo));
+        Self { field: made.field, depths: Some(made.depths), photo, models: made.models }
     }
 
     /// The ray depths; a light field that came without gets them by plane sweep over its views.
@@ -60,16 +66,24 @@ pub fn scene(path: &Path, args: &SynthArgs, job: &Job) -> Result<Scene> {
     }
 }
 
-/// Makes a light field of a photo.
+/// Makes a light field of a photo; without nets where neither ray depth nor occlusions need one.
 pub fn from_photo(file: &PhotoFile, args: &SynthArgs, job: &Job) -> Result<Scene> {
+    if let Some(map) = disparity(args)?.filter(|_| args.lambertian) {
+        let made = synthesize_from_map(&file.photo, &map, &params(args, None)?, job)?;
+        return Ok(Scene::made(made, file));
+    }
+    with_nets(&Synthesizer::load(&model_source(args))?, file, args, job)
+}
+
+/// Makes a light field of a photo with nets that are loaded already, or takes that of last time.
+pub fn with_nets(nets: &Synthesizer, file: &PhotoFile, args: &SynthArgs, job: &Job) -> Result<Scene> {
     let params = params(args, file.depth.as_ref())?;
-    let made = match &params.disparity {
-        Some(map) if args.lambertian => synthesize_from_map(&file.photo, map, &params, job)?,
-        _ => Synthesizer::load(&model_source(args))?.synthesize(&file.photo, &params, job)?,
+    let made = match Cache::user().filter(|_| !args.no_cache) {
+        Some(cache) => nets.synthesize_cached(&file.photo, &params, &cache, job)?,
+        None => nets.synthesize(&file.photo, &params, job)?,
     };
     log::info!("light field of {:?} in {:.2} s", made.field.size(), made.took.as_secs_f32());
-    let photo = Some(Arc::clone(&file.photo));
-    Ok(Scene { field: made.field, depths: Some(made.depths), photo, models: made.models })
+    Ok(Scene::made(made, file))
 }
 
 /// The parameters that the arguments name.

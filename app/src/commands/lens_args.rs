@@ -7,9 +7,8 @@ use super::Usage;
 use crate::cli::LensArgs;
 use crate::values::Pair;
 
-/// The lens that the arguments name. `map` is the disparity of the upright photo, which has `photo_size` pixels.
-pub fn lens(args: &LensArgs, photo_size: [u32; 2], map: &DisparityMap) -> Result<Lens> {
-    let mut lens = Lens::default();
+/// A lens with what the arguments name. `map` is the disparity of the upright photo, which has `photo_size` pixels.
+pub fn lens(args: &LensArgs, mut lens: Lens, photo_size: [u32; 2], map: &DisparityMap) -> Result<Lens> {
     if let Some(f_number) = args.f_number {
         lens.f_number = f_number;
     }
@@ -44,7 +43,7 @@ fn focus(args: &LensArgs, photo_size: [u32; 2], map: &DisparityMap, lens: &mut L
 }
 
 /// The disparity in the middle of the picture of the plane that goes through what is seen at a pixel.
-fn focus_at(Pair(x, y): Pair, photo: [u32; 2], map: &DisparityMap, plane: FocalPlane) -> Result<f32> {
+pub fn focus_at(Pair(x, y): Pair, photo: [u32; 2], map: &DisparityMap, plane: FocalPlane) -> Result<f32> {
     let is_inside = |at: f32, side: u32| (-0.5..side as f32 - 0.5).contains(&at);
     if !(is_inside(x, photo[0]) && is_inside(y, photo[1])) {
         let (right, bottom) = (photo[0] - 1, photo[1] - 1);

@@ -1,5 +1,7 @@
 //! One file for each command; here is which argument goes where.
 
+mod batch;
+mod bench;
 mod depth;
 mod epi;
 mod export;
@@ -11,6 +13,7 @@ mod output;
 mod pages;
 mod refocus;
 mod sample;
+mod series;
 mod synth;
 mod view;
 
@@ -49,6 +52,8 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
         Some(Command::Epi(args)) => epi::run(&args, &job),
         Some(Command::Depth(args)) => depth::run(&args, &job),
         Some(Command::Export(args)) => export::run(&args, &job),
+        Some(Command::Batch(args)) => batch::run(&args, &job),
+        Some(Command::Bench(args)) => bench::run(&args, &job),
         Some(Command::Info(args)) => info::run(&args, &job),
         Some(Command::Sample(args)) => sample::run(&args, &job),
         Some(Command::Completions { shell }) => pages::completions(shell),

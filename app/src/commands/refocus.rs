@@ -3,95 +3,138 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use plenoscope::field::{DisparityMap, FocalPlane, Lens, Photo, View, ViewPoint, fit_long_side};
-use plenoscope::io::Opened;
-use plenoscope::io::save::{self, Format, Keep, Origin, PictureOptions};
+use plenoscope::field::{DisparityMap, FocalPlane, Lens, Photo, View, fit_long_side};
+use plenoscope::io::save::{self, Keep, Origin, PictureOptions};
+use plenoscope::io::{Opened, PhotoFile};
 use plenoscope::job::{Job, Stage};
+use plenoscope::recipe::Recipe;
 use plenoscope::render::{cpu, lens};
 
 use super::input::{self, Scene};
 use super::output::Target;
 use super::{Usage, lens_args};
 use crate::cli::{Refocus, SynthArgs};
-use crate::values::{PictureSize, Size};
+use crate::values::{Pair, PictureSize, Size};
 
 /// Renders the picture and writes it.
 pub fn run(args: &Refocus, job: &Job) -> Result<()> {
     let target = Target { file: &args.output, input: &args.input, force: args.force };
     target.check()?;
-    let format = save::check(&args.output, &PictureOptions { replace_source: true, ..PictureOptions::default() })?;
+    save::check(&args.output, &PictureOptions::default())?;
+    let recipe = args.recipe.as_deref().map(Recipe::read).transpose()?;
+    let edit = Edit { args, recipe };
     match input::open(&args.input, job)? {
-        Opened::Photo(file) => match args.size.unwrap_or(PictureSize::Photo) {
-            PictureSize::LightField => {
-                // A map that is given spares the nets here, all of them.
-                let lambertian = args.synth.lambertian || args.synth.disparity.is_some();
-                let scene = input::from_photo(&file, &SynthArgs { lambertian, ..args.synth.clone() }, job)?;
-                from_views(args, &scene, job)
-            }
-            size => from_photo(args, photo_scene(args, &file, job)?, size, format, job),
-        },
+        Opened::Photo(file) if args.size == Some(PictureSize::LightField) => {
+            // A map that is given spares the nets here, all of them.
+            let lambertian = args.synth.lambertian || args.synth.disparity.is_some();
+            let scene = input::from_photo(&file, &SynthArgs { lambertian, ..args.synth.clone() }, job)?;
+            edit.of_views(&scene, job)
+        }
+        Opened::Photo(file) => edit.of_photo(photo_scene(&args.synth, &file, job)?, job),
         Opened::LightField(file) => {
             let scene = Scene::from_file(*file);
-            match args.size.unwrap_or(PictureSize::LightField) {
-                PictureSize::LightField => from_views(args, &scene, job),
-                size => from_photo(args, view_scene(&scene, job)?, size, format, job),
+            match args.size {
+                None | Some(PictureSize::LightField) => edit.of_views(&scene, job),
+                Some(_) => edit.of_photo(view_scene(&scene, job)?, job),
             }
         }
     }
 }
 
 /// A photo with the ray depth of its light field, or with the map that was given: then no net runs.
-fn photo_scene(args: &Refocus, file: &plenoscope::io::PhotoFile, job: &Job) -> Result<lens::Scene> {
-    if let Some(map) = input::disparity(&args.synth)? {
+pub fn photo_scene(args: &SynthArgs, file: &PhotoFile, job: &Job) -> Result<lens::Scene> {
+    if let Some(map) = input::disparity(args)? {
         return Ok(lens::Scene::new(Arc::clone(&file.photo), map)?);
     }
-    let scene = input::from_photo(file, &args.synth, job)?;
+    let scene = input::from_photo(file, args, job)?;
     lens_scene(Arc::clone(&file.photo), &scene, job)
 }
 
 /// A light field's reference view as the photo.
-fn view_scene(scene: &Scene, job: &Job) -> Result<lens::Scene> {
+pub fn view_scene(scene: &Scene, job: &Job) -> Result<lens::Scene> {
     let view: &View = scene.field.reference();
     let photo = Photo::from_srgb8(view.size(), view.rgba().to_vec())?;
     lens_scene(Arc::new(photo), scene, job)
 }
 
-fn lens_scene(photo: Arc<Photo>, scene: &Scene, job: &Job) -> Result<lens::Scene> {
+/// A photo with the ray depth of a light field, and with what its views see behind edges.
+pub fn lens_scene(photo: Arc<Photo>, scene: &Scene, job: &Job) -> Result<lens::Scene> {
     let depths = scene.depths(job)?;
-    let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
-    Ok(lens::Scene::new(photo, map)?.with_behind(lens::revealed(&scene.field, &depths)))
+    Ok(lens::Scene::new(photo, reference_map(&depths))?.with_behind(lens::revealed(&scene.field, &depths)))
 }
 
-/// At the photo's size or smaller, with the lens renderer.
-fn from_photo(args: &Refocus, scene: lens::Scene, size: PictureSize, format: Format, job: &Job) -> Result<()> {
-    let photo = Arc::clone(scene.photo());
-    let size = match size {
-        PictureSize::Custom(size) => inside(photo.size(), size, job)?,
-        _ => photo.size(),
-    };
-    let map = scene.disparity();
-    let lens = lens_args::lens(&args.lens, photo.size(), map)?;
-    let bits = args.bits.unwrap_or_else(|| if format.has_16_bits() { photo.pixels().bits() } else { 8 });
-    let pixels = lens::render_pixels(&scene, &lens, size, bits, job)?;
-    job.advance(Stage::Save, 0, 1)?;
-    Ok(save::pixels(&args.output, &pixels, &options(args, Origin::in_own_space(&photo), bits))?)
+fn reference_map(depths: &plenoscope::field::RayDepths) -> DisparityMap {
+    DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() }
 }
 
-/// At the light field's size, as the paper does it: shift the views and add.
-fn from_views(args: &Refocus, scene: &Scene, job: &Job) -> Result<()> {
-    let depths = scene.depths(job)?;
-    let own = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
-    let photo_size = scene.photo.as_ref().map_or(scene.field.size(), |photo| photo.size());
-    let lens = match input::disparity(&args.synth)? {
-        // What was typed is in the units of the given map.
-        Some(map) => scaled(lens_args::lens(&args.lens, photo_size, &map)?, own.size[0] as f32 / map.size[0] as f32),
-        None => lens_args::lens(&args.lens, photo_size, &own)?,
-    };
-    let center = ViewPoint::default();
-    let picture = cpu::refocus_with_depths(&scene.field, Some(&depths), &lens, center);
-    job.advance(Stage::Save, 0, 1)?;
-    let origin = scene.photo.as_deref().map(Origin::in_srgb).unwrap_or_default();
-    Ok(save::picture(&args.output, &picture, &options(args, origin, args.bits.unwrap_or(8)))?)
+/// What was asked for: a recipe, and arguments that go before it.
+struct Edit<'a> {
+    args: &'a Refocus,
+    recipe: Option<Recipe>,
+}
+
+impl Edit<'_> {
+    /// At the photo's size or smaller, with the lens renderer.
+    fn of_photo(&self, scene: lens::Scene, job: &Job) -> Result<()> {
+        let photo = scene.photo();
+        let base = self.recipe.as_ref().map_or_else(Lens::default, |recipe| recipe.lens_for(&scene));
+        let lens = lens_args::lens(&self.args.lens, base, photo.size(), scene.disparity())?;
+        let size = match (self.args.size, &self.recipe) {
+            (Some(PictureSize::Custom(size)), _) => inside(photo.size(), size, job)?,
+            (None, Some(recipe)) => recipe.export.size.of(photo.size()),
+            _ => photo.size(),
+        };
+        let options = self.options(Origin::in_own_space(photo), photo.pixels().bits());
+        let pixels = lens::render_pixels(&scene, &lens, size, options.bits, job)?;
+        job.advance(Stage::Save, 0, 1)?;
+        Ok(save::pixels(&self.args.output, &pixels, &options)?)
+    }
+
+    /// At the light field's size, as the paper does it: shift the views and add.
+    fn of_views(&self, scene: &Scene, job: &Job) -> Result<()> {
+        let depths = scene.depths(job)?;
+        let own = reference_map(&depths);
+        let photo_size = scene.photo.as_ref().map_or(scene.field.size(), |photo| photo.size());
+        let recipe = self.recipe.clone().unwrap_or_default();
+        let mut base = recipe.lens;
+        if let Some([x, y]) = recipe.focus_at {
+            let at = Pair(x * photo_size[0] as f32 - 0.5, y * photo_size[1] as f32 - 0.5);
+            base.focus.disparity_px = lens_args::focus_at(at, photo_size, &own, base.focus)?;
+        }
+        let lens = match input::disparity(&self.args.synth)? {
+            // What was typed is in the units of the given map.
+            Some(map) => {
+                let ratio = own.size[0] as f32 / map.size[0] as f32;
+                let typed = lens_args::lens(&self.args.lens, scaled(base, 1.0 / ratio), photo_size, &map)?;
+                scaled(typed, ratio)
+            }
+            None => lens_args::lens(&self.args.lens, base, photo_size, &own)?,
+        };
+        let picture = cpu::refocus_with_depths(&scene.field, Some(&depths), &lens, recipe.viewpoint);
+        job.advance(Stage::Save, 0, 1)?;
+        let origin = scene.photo.as_deref().map(Origin::in_srgb).unwrap_or_default();
+        Ok(save::picture(&self.args.output, &picture, &self.options(origin, 8))?)
+    }
+
+    /// How the picture is written; `bits` are those of the photo.
+    fn options(&self, mut origin: Origin, bits: u8) -> PictureOptions {
+        let export = self.recipe.as_ref().map(|recipe| &recipe.export);
+        let format = save::Format::of(&self.args.output);
+        let wanted = self.args.bits.or(export.map(|export| export.bits)).unwrap_or(bits);
+        origin.source = Some(self.args.input.clone());
+        PictureOptions {
+            format: None,
+            bits: if format.is_some_and(save::Format::has_16_bits) { wanted } else { 8 },
+            quality: self
+                .args
+                .quality
+                .or(export.map(|export| export.quality))
+                .unwrap_or(PictureOptions::default().quality),
+            keep: if self.args.strip_metadata { Keep::Nothing } else { export.map_or(Keep::All, |export| export.keep) },
+            origin,
+            replace_source: self.args.force,
+        }
+    }
 }
 
 /// The same lens in pixels of another width.
@@ -119,11 +162,4 @@ fn inside(photo: [u32; 2], Size(wanted): Size, job: &Job) -> Result<[u32; 2]> {
     }
     job.sink.warning(format!("the photo's shape is kept: the picture has {}x{} pixels", fitting[0], fitting[1]));
     Ok(fitting)
-}
-
-fn options(args: &Refocus, mut origin: Origin, bits: u8) -> PictureOptions {
-    origin.source = Some(args.input.clone());
-    let keep = if args.strip_metadata { Keep::Nothing } else { Keep::All };
-    let quality = args.quality.unwrap_or(PictureOptions::default().quality);
-    PictureOptions { bits, quality, keep, origin, replace_source: args.force, ..PictureOptions::default() }
 }
