@@ -104,9 +104,6 @@ pub enum BenchError {
     /// A net.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// The default models have no occlusion net.
-    #[error("there is no occlusion net to time — models.toml names none — name one with `occlusion = \"…\"`")]
-    NoOcclusionNet,
     /// ONNX Runtime did not work.
     #[error("ONNX Runtime cannot be timed — {0} — set ORT_DYLIB_PATH to libonnxruntime.so of version 1.24 or later")]
     OnnxRuntime(String),

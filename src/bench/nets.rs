@@ -1,4 +1,5 @@
-//! Both nets and the warp between them at one exact size, as the pipeline runs them.
+//! Both nets and the warp between them at one exact size, as the pipeline runs them. Without an occlusion net its stage
+//! takes no time.
 
 use glam::Vec4;
 use rayon::prelude::*;
@@ -19,12 +20,13 @@ const STRIP_BYTES: usize = 96 << 20;
 #[cfg_attr(not(feature = "onnxruntime"), allow(dead_code, reason = "only the other engine reads the files again"))]
 pub(super) struct Nets {
     pub(super) depth_file: ModelFile,
-    pub(super) occlusion_file: ModelFile,
+    pub(super) occlusion_file: Option<ModelFile>,
     grid: ViewGrid,
     size: [usize; 2],
     photo: Signed,
     depth: Runnable,
-    occlusion: Runnable,
+    occlusion: Option<Runnable>,
+    strip_rows: usize,
     threads: usize,
 }
 
@@ -32,7 +34,7 @@ impl Nets {
     pub(super) fn new(models: &ModelSource, options: &Options, size: [usize; 2]) -> Result<Self, BenchError> {
         let index = models.index()?;
         let depth_file = models.model(&index.depth, Task::RayDepth)?;
-        let occlusion_file = models.model(&index.occlusion.ok_or(BenchError::NoOcclusionNet)?, Task::Occlusion)?;
+        let occlusion_file = index.occlusion.map(|id| models.model(&id, Task::Occlusion)).transpose()?;
         let grid = depth_file.manifest.grid()?;
         let size @ [width, height] = size.map(|side| side.max(1));
         let engine = tract::Options { path: options.path, threads: options.threads };
@@ -41,11 +43,12 @@ impl Nets {
         let shape = [1, depth_file.manifest.input_channels(), padded[0], padded[1]];
         let depth = prepare(&depth_file.onnx, &shape, &engine)?;
         let fitting = STRIP_BYTES / (8 * grid.count() * width * size_of::<f32>());
-        let rows = fitting.max(4 * HALO).min(height);
-        let occlusion = prepare(&occlusion_file.onnx, &[1, 4, grid.count(), rows, width], &engine)?;
+        let strip_rows = fitting.max(4 * HALO).min(height);
+        let strip = [1, 4, grid.count(), strip_rows, width];
+        let occlusion = occlusion_file.as_ref().map(|file| prepare(&file.onnx, &strip, &engine)).transpose()?;
         let photo = picture(size);
         let threads = options.threads;
-        Ok(Self { depth_file, occlusion_file, grid, size, photo, depth, occlusion, threads })
+        Ok(Self { depth_file, occlusion_file, grid, size, photo, depth, occlusion, strip_rows, threads })
     }
 
     pub(super) fn views(&self) -> [usize; 2] {
@@ -54,7 +57,8 @@ impl Nets {
 
     /// Useful operations of both nets over the whole picture; the halo of the strips does not count.
     pub(super) fn flop(&self) -> f64 {
-        self.depth.flop() + self.occlusion.flop() * self.size[1] as f64 / self.strip_rows() as f64
+        let strip = self.occlusion.as_ref().map_or(0.0, Runnable::flop);
+        self.depth.flop() + strip * self.size[1] as f64 / self.strip_rows as f64
     }
 
     /// The input shape of the depth net, and of the occlusion net over the whole picture.
@@ -74,29 +78,26 @@ impl Nets {
         for first in self.strips() {
             job.check()?;
             let (warp, input) = timed(|| pool.install(|| self.warp(&maps, first)));
-            let (occlusion, answer) = timed(|| self.occlusion.run(&input, job.cancel));
-            answer?;
             seconds.warp += warp;
+            let Some(net) = &self.occlusion else { continue };
+            let (occlusion, answer) = timed(|| net.run(&input, job.cancel));
+            answer?;
             seconds.occlusion += occlusion;
         }
         seconds.total = seconds.depth + seconds.warp + seconds.occlusion;
         Ok(seconds)
     }
 
-    fn strip_rows(&self) -> usize {
-        self.occlusion.input_shape()[3]
-    }
-
     /// First rows of the strips.
     fn strips(&self) -> impl Iterator<Item = usize> + use<> {
-        let (height, rows) = (self.size[1], self.strip_rows());
+        let (height, rows) = (self.size[1], self.strip_rows);
         let count = if rows == height { 1 } else { (height - 2 * HALO).div_ceil(rows - 2 * HALO) };
         (0..count).map(move |strip| (strip * (rows - 2 * HALO)).min(height - rows))
     }
 
     /// The occlusion net's input of one strip, `[c, v, u, y, x]`.
     fn warp(&self, maps: &Output, first: usize) -> Vec<f32> {
-        let ([width, _], rows) = (self.size, self.strip_rows());
+        let ([width, _], rows) = (self.size, self.strip_rows);
         let [.., map_rows, map_columns] = *maps.shape() else { return Vec::new() };
         let mut input = vec![0.0; 4 * self.grid.count() * rows * width];
         let (colour, disparity) = input.split_at_mut(3 * self.grid.count() * rows * width);

@@ -11,7 +11,7 @@ use super::timed;
 
 /// Both nets in ONNX Runtime, each with an input over the whole picture.
 pub(super) struct Engine {
-    nets: [(Session, Vec<i64>, Vec<f32>); 2],
+    nets: Vec<(Session, Vec<i64>, Vec<f32>)>,
 }
 
 impl Engine {
@@ -24,7 +24,11 @@ impl Engine {
             let values = numbers(shape.iter().product());
             Ok::<_, String>((session, shape.into_iter().map(|n| n as i64).collect(), values))
         };
-        Ok(Self { nets: [load(&nets.depth_file.onnx, depth)?, load(&nets.occlusion_file.onnx, occlusion)?] })
+        let mut loaded = vec![load(&nets.depth_file.onnx, depth)?];
+        if let Some(file) = &nets.occlusion_file {
+            loaded.push(load(&file.onnx, occlusion)?);
+        }
+        Ok(Self { nets: loaded })
     }
 
     /// Seconds of the depth net and of the occlusion net.

@@ -11,8 +11,7 @@ use super::state::Source;
 use crate::field::{DisparityMap, LightField, Photo, ViewGrid};
 use crate::job::{Job, Stage};
 use crate::synth::{
-    DepthSource, ModelSource, Signed, SynthError, SynthParams, Synthesizer, lambertian, lift, reference_view, sweep,
-    upsample,
+    DepthSource, ModelSource, Signed, SynthParams, Synthesizer, lambertian, lift, reference_view, sweep, upsample,
 };
 
 /// Disparities that a phone's depth is spread over, in pixels per view step of its own width: the ratios of a flower
@@ -85,8 +84,8 @@ fn of_views(field: &Arc<LightField>, document: &Document, job: &Job) -> Result<M
     }
     let map = document.reference.as_ref().filter(|map| map.size == field.size());
     let depths = match map {
-        Some(map) => lift::lifted(map, field.grid(), job).map_err(SynthError::from),
-        None => sweep::ray_depths(field, job).map_err(SynthError::from),
+        Some(map) => lift::lifted(map, field.grid(), job),
+        None => sweep::ray_depths(field, job),
     };
     let depths = Some(Arc::new(depths.map_err(|error| sentence(&error))?));
     Ok(Made { field: Arc::clone(field), depths, made_by, took_secs: secs_since(start) })
