@@ -46,7 +46,7 @@ pub type MakeScene<'a> = dyn Fn(&Path, &Job) -> Result<Scene, Box<dyn std::error
 
 /// Why nothing could be started.
 #[derive(Debug, thiserror::Error)]
-#[error("the folder for the pictures cannot be made: {why}; choose another: {}", .path.display())]
+#[error("the folder for the pictures cannot be made — {why} — choose another: {}", .path.display())]
 pub struct NoFolder {
     why: String,
     path: PathBuf,

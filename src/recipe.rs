@@ -22,7 +22,7 @@ const LARGEST_BYTES: u64 = 1 << 20;
 #[derive(Debug, thiserror::Error)]
 pub enum RecipeError {
     /// The file could not be read.
-    #[error("the recipe cannot be read: {why}: {}", .path.display())]
+    #[error("the recipe cannot be read — {why}: {}", .path.display())]
     Read {
         /// What the system says.
         why: String,
@@ -30,7 +30,7 @@ pub enum RecipeError {
         path: PathBuf,
     },
     /// It is not a recipe.
-    #[error("this is not a recipe: {why}; make one with \"Copy edit\" or write the sidecar of a photo anew: {}", .path.display())]
+    #[error("this is not a recipe — {why} — make one with \"Copy edit\" or write the sidecar of a photo anew: {}", .path.display())]
     Parse {
         /// What is wrong, and where.
         why: String,

@@ -26,28 +26,28 @@ pub use encode::encode;
 #[derive(Debug, thiserror::Error)]
 pub enum SaveError {
     /// The target is a folder.
-    #[error("the picture cannot be saved: there is a folder of that name; give the name of a file: {}", .0.display())]
+    #[error("the picture cannot be saved — there is a folder of that name — give the name of a file: {}", .0.display())]
     IsFolder(PathBuf),
     /// The folder is not there.
-    #[error("the picture cannot be saved: its folder does not exist; make it first, or choose another: {}", .0.display())]
+    #[error("the picture cannot be saved — its folder does not exist — make it first, or choose another: {}", .0.display())]
     NoFolder(PathBuf),
     /// The target is the photo itself.
-    #[error("the picture would replace the photo that it is made from; choose another name, or ask for it (--force): {}", .0.display())]
+    #[error("the picture would replace the photo that it is made from — choose another name, or ask for it (--force): {}", .0.display())]
     IsSource(PathBuf),
     /// No right to write there.
-    #[error("the picture cannot be saved: writing is not allowed there; choose another folder: {}", .0.display())]
+    #[error("the picture cannot be saved — writing is not allowed there — choose another folder: {}", .0.display())]
     NoRights(PathBuf),
     /// No room on the disk.
-    #[error("the picture cannot be saved: the disk is full; make room, or choose another disk: {}", .0.display())]
+    #[error("the picture cannot be saved — the disk is full — make room, or choose another disk: {}", .0.display())]
     DiskFull(PathBuf),
     /// The extension names no format that is known here.
-    #[error("the picture cannot be saved: its name does not end in .png, .jpg, .tif or .webp: {}", .0.display())]
+    #[error("the picture cannot be saved — its name names no format — end it in .png, .jpg, .tif or .webp: {}", .0.display())]
     Extension(PathBuf),
     /// The extension names no animation.
-    #[error("the animation cannot be saved: its name does not end in .gif, .png or .apng: {}", .0.display())]
+    #[error("the animation cannot be saved — its name names no format — end it in .gif, .png or .apng: {}", .0.display())]
     Animation(PathBuf),
     /// The picture does not fit the format.
-    #[error("the picture cannot be saved: {why}: {}", .path.display())]
+    #[error("the picture cannot be saved — {why}: {}", .path.display())]
     Encode {
         /// What the encoder says.
         why: String,

@@ -47,11 +47,13 @@ pub use tile::Region;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LensError {
     /// Values that are no numbers.
-    #[error("the disparity map cannot be used: it has values that are not numbers (NaN or infinity); repair it first")]
+    #[error(
+        "the disparity map cannot be used — it has values that are not numbers (NaN or infinity) — repair it first"
+    )]
     NotANumber,
     /// A map of another shape than the photo.
     #[error(
-        "the disparity map cannot be used: it is {map:?} pixels where the photo is {photo:?}, which is another shape; give the map of this photo"
+        "the disparity map cannot be used — it is {map:?} pixels where the photo is {photo:?}, which is another shape — give the map of this photo"
     )]
     Shape {
         /// Width and height of the map.
