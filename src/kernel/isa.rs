@@ -92,12 +92,14 @@ impl fmt::Debug for Isa {
 /// Calls `$function` of the module that belongs to `$isa`.
 macro_rules! on_isa {
     ($isa:expr, $function:ident($($argument:expr),* $(,)?)) => {
-        // SAFETY: an `Isa` exists only where the processor has its instructions; the rest is the caller's word.
         match $isa.0 {
+            // SAFETY: an `Isa` exists only where the processor has its instructions; the rest is the caller's word.
             $crate::kernel::isa::Set::Portable => unsafe { $crate::kernel::portable::$function($($argument),*) },
             #[cfg(target_arch = "x86_64")]
+            // SAFETY: an `Isa` exists only where the processor has its instructions; the rest is the caller's word.
             $crate::kernel::isa::Set::Avx2 => unsafe { $crate::kernel::avx2::$function($($argument),*) },
             #[cfg(target_arch = "x86_64")]
+            // SAFETY: an `Isa` exists only where the processor has its instructions; the rest is the caller's word.
             $crate::kernel::isa::Set::Avx512 => unsafe { $crate::kernel::avx512::$function($($argument),*) },
         }
     };
