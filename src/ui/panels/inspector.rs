@@ -64,7 +64,7 @@ fn shape_menu(ui: &mut Ui, shape: &mut LensShape) {
         LensShape::Ring { inner: 0.5 },
         LensShape::CatEye { strength: 0.5 },
     ];
-    let text = RichText::new(format!("{name} ⏷")).small().color(theme::palette(ui.ctx()).weak);
+    let text = RichText::new(format!("{name} ▼")).small().color(theme::palette(ui.ctx()).weak);
     ui.menu_button(text, |ui| {
         for choice in all {
             let (name, hint) = shape_name(choice);
@@ -232,7 +232,7 @@ fn viewpoint(app: &mut App, ui: &mut Ui) {
     let ctx = ui.ctx().clone();
     let mut action = None;
     let centre = |ui: &mut Ui, action: &mut Option<Action>| {
-        if widgets::link(ui, "centre ⟲").on_hover_text(Action::ResetViewpoint.tip(&ctx)).clicked() {
+        if widgets::link(ui, "centre ↺").on_hover_text(Action::ResetViewpoint.tip(&ctx)).clicked() {
             *action = Some(Action::ResetViewpoint);
         }
     };
@@ -249,7 +249,7 @@ fn viewpoint(app: &mut App, ui: &mut Ui) {
                     ui.set_width(ui.available_width());
                     coordinates(app, ui, grid);
                     ui.add_space(GRID);
-                    let label = if app.is_circling { "⏸ circle" } else { "⏵ circle" };
+                    let label = if app.is_circling { "stop circle" } else { "▶ circle" };
                     if widgets::link(ui, label).on_hover_text(Action::Circle.tip(&ctx)).clicked() {
                         action = Some(Action::Circle);
                     }
@@ -364,7 +364,7 @@ fn ray_depths(app: &mut App, ui: &mut Ui) {
 }
 
 pub(super) fn colormap_menu(ui: &mut Ui, map: &mut Colormap) {
-    let text = RichText::new(format!("{} ⏷", map.label())).small().color(theme::palette(ui.ctx()).weak);
+    let text = RichText::new(format!("{} ▼", map.label())).small().color(theme::palette(ui.ctx()).weak);
     ui.menu_button(text, |ui| {
         for choice in Colormap::ALL {
             if ui.selectable_label(*map == choice, choice.label()).clicked() {

@@ -15,7 +15,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     let colors = theme::palette(ui.ctx());
     let top = rect.top() + 6.0;
     ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, "Views", theme::head(), colors.weak);
-    let text = format!("all {} ▸", grid.count());
+    let text = format!("all {} ▶", grid.count());
     let all = Rect::from_min_max(pos2(rect.right() - 50.0, rect.top() - 4.0), pos2(rect.right(), rect.top() + 16.0));
     let response =
         ui.interact(all, ui.scope_id().with("all views"), Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
