@@ -13,7 +13,7 @@ use crate::job::{Cancelled, Job, Stage};
 pub(super) const STEP_PX: f32 = 0.2;
 /// Fixed-point steps at most, and the change in px that ends them.
 const STEPS: usize = 12;
-const SETTLED_PX: f32 = 1e-4;
+const SETTLED_PX: f32 = 5e-4;
 /// Marks a ray without a solution.
 const HOLE: f32 = f32::NEG_INFINITY;
 
@@ -103,13 +103,17 @@ fn splat(map: &Map, from: ViewOffset) -> Vec<f32> {
 
 /// The nearest solution of `d = D(x + u·d)` that starts from what was carried here or next to here.
 fn solve(map: &Map, starts: &[f32], from: ViewOffset, x: usize, y: usize) -> f32 {
-    let (mut nearest, own) = (HOLE, starts[y * map.w + x]);
-    for row in starts.chunks_exact(map.w).take((y + 2).min(map.h)).skip(y.saturating_sub(1)) {
-        let near = &row[x.saturating_sub(1)..(x + 2).min(map.w)];
-        nearest = near.iter().copied().fold(nearest, f32::max);
+    let own = starts[y * map.w + x];
+    let mut nearest = own;
+    for y in y.saturating_sub(1)..(y + 2).min(map.h) {
+        for start in &starts[y * map.w + x.saturating_sub(1)..y * map.w + (x + 2).min(map.w)] {
+            nearest = if *start > nearest { *start } else { nearest };
+        }
     }
+    // On one surface all starts lead to the same solution, and its own is the nearest to it.
+    let first = if nearest - own < STEP_PX { own } else { nearest };
     // A ray that leaves the reference picture was carried nowhere: the surface at the picture's edge goes on.
-    let starts = [nearest, own, map.d[y * map.w + x]];
+    let starts = [first, own, map.d[y * map.w + x]];
     starts.iter().find_map(|start| settle(map, from, *start, x, y)).unwrap_or(own)
 }
 

@@ -19,6 +19,8 @@ const COLOUR_SIGMA: f32 = 0.04;
 const COLOUR_NOISE: f32 = 0.015;
 /// A change over one pixel of the small map, in px at the target's size, at which half the certainty is gone.
 const UNCERTAIN_PX: f32 = 0.04;
+/// The same as a multiple of the map's median slope, where that is more.
+const STEEPER_THAN_USUAL: f32 = 2.0;
 /// No pixel is wholly uncertain: its own value stays where nothing better flows in.
 pub(super) const LEAST: f32 = 1e-4;
 /// Passes of the domain transform, each finer.
@@ -49,17 +51,24 @@ pub(super) fn spread(values: &[f32], certain: &[f32], guide: &View) -> Vec<f32> 
     map
 }
 
-/// Certainty of each pixel of a map, 0 … 1: low where neighbours differ.
+/// Certainty of each pixel of a map, 0 … 1: low where it changes quickly, compared with the map as a whole, so that
+/// a steep floor is not taken for an edge.
 fn certainty(map: &[f32], [w, h]: [usize; 2]) -> Vec<f32> {
     let at = |x: usize, y: usize| map[y * w + x];
     let places = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
-    let of = |(x, y): (usize, usize)| {
+    let slope = |(x, y): (usize, usize)| {
         let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
         let (t, b) = (y.saturating_sub(1), (y + 1).min(h - 1));
-        let slope = ((at(r, y) - at(l, y)).powi(2) + (at(x, b) - at(x, t)).powi(2)).sqrt() / 2.0;
-        (1.0 / (1.0 + (slope / UNCERTAIN_PX).powi(2))).powi(2).max(LEAST)
+        ((at(r, y) - at(l, y)).powi(2) + (at(x, b) - at(x, t)).powi(2)).sqrt() / 2.0
     };
-    places.map(of).collect()
+    let slopes: Vec<f32> = places.map(slope).collect();
+    let half_px = UNCERTAIN_PX.max(STEEPER_THAN_USUAL * median(slopes.clone()));
+    slopes.iter().map(|slope| (1.0 / (1.0 + (slope / half_px).powi(2))).powi(2).max(LEAST)).collect()
+}
+
+fn median(mut values: Vec<f32>) -> f32 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Distances between neighbouring pixels in the domain transform: 1 on even colour, more over an edge.
@@ -139,9 +148,9 @@ fn flow_down(flow: &mut [[f32; 2]], weights: &[f32], width: usize) {
 }
 
 /// Turns steep ramps into steps: each steep pixel takes the extreme of its neighbourhood that is nearer to its value.
-fn sharpen(map: &mut Vec<f32>, [w, h]: [usize; 2]) {
+fn sharpen(map: &mut [f32], [w, h]: [usize; 2]) {
     for _ in 0..SHARPEN_ROUNDS {
-        let before = map.clone();
+        let before = map.to_vec();
         map.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
             let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)].map(|y| &before[y * w..(y + 1) * w]);
             for (x, value) in row.iter_mut().enumerate() {
