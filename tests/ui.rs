@@ -114,7 +114,7 @@ fn the_main_walk() {
     harness.get_by_label("Export…").click();
     harness.step();
     harness.step();
-    harness.get_by_label("Export").click();
+    harness.get_by_role_and_label(egui::accesskit::Role::Button, "Export").click();
     harness.step();
     wait(&mut harness, "the export", |app| !app.is_busy());
     let files: Vec<_> = std::fs::read_dir(folder.path()).expect("the folder is there").flatten().collect();
