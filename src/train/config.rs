@@ -183,7 +183,7 @@ impl Config {
         let everyday = Self { preset, ..Self::default() };
         match preset {
             Preset::Everyday => everyday,
-            Preset::Paper => Self { net: Arch::Paper, ..everyday }.as_in_the_paper(),
+            Preset::Paper => Self { net: Arch::Paper, ..everyday }.of_the_paper(),
             Preset::Occlusion => Self {
                 out: "runs/occlusion".into(),
                 stage: Stage::Occlusion,
@@ -196,12 +196,12 @@ impl Config {
                 steps: 4000,
                 ..everyday
             },
-            Preset::Joint => Self { out: "runs/joint".into(), lr: 2e-4, ..everyday.as_in_the_paper() },
+            Preset::Joint => Self { out: "runs/joint".into(), lr: 2e-4, ..everyday.of_the_paper() },
         }
     }
 
     /// Adam 1e-3, batch 4, 96² crops of halved pictures, the paper's losses, 120,000 steps.
-    fn as_in_the_paper(self) -> Self {
+    fn of_the_paper(self) -> Self {
         let losses = LossWeights {
             w_supervised: 0.0,
             w_photometric: 1.0,

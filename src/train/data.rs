@@ -36,7 +36,7 @@ fn mix(text: &str) -> Result<Mix, TrainError> {
     let mut mix = Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0 };
     for part in text.split(',') {
         let (name, share) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no share")))?;
-        let share: f32 = share.trim().parse().map_err(|_| wrong(format!("{share:?} is no number")))?;
+        let share: f32 = share.trim().parse().map_err(|error| wrong(format!("{share:?}: {error}")))?;
         match name.trim() {
             "lifted" => mix.lifted = share,
             "collage" => mix.collage = share,

@@ -18,6 +18,11 @@ pub enum Mode {
     Infer,
 }
 
+/// Gradients, each with the index of its array in the weights.
+pub type ByArray = Vec<(usize, Vec<f32>)>;
+/// Batch statistics `[mean | variance]`, each with the name of its layer.
+pub type Statistics = Vec<(String, Vec<f32>)>;
+
 /// The weights of one forward pass as burn tensors, and what the pass leaves behind.
 pub struct Tape<'a> {
     weights: &'a Weights,
@@ -159,7 +164,7 @@ impl<'a> Tape<'a> {
 
     /// Gradients of the trained arrays after `backward`, each with its index in the weights; and the batch
     /// statistics `[mean | variance]` of each normalised layer.
-    pub fn finish_step(self, gradients: &Gradients) -> (Vec<(usize, Vec<f32>)>, Vec<(String, Vec<f32>)>) {
+    pub fn finish_step(self, gradients: &Gradients) -> (ByArray, Statistics) {
         let taken = self.leaves.iter().filter_map(|leaf| match leaf {
             Leaf::Rank1(at, t) => t.grad(gradients).map(|g| (*at, values(g))),
             Leaf::Rank4(at, t) => t.grad(gradients).map(|g| (*at, values(g))),
