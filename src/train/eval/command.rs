@@ -68,11 +68,10 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     Ok(text)
 }
 
-fn photo_figures(
-    matches: &ArgMatches,
-    models: &dyn Predictor,
-    put: &dyn Fn(&str, &[Vec<super::Rgb>]) -> Result<()>,
-) -> Result<Value> {
+/// Writes the rows of a contact sheet under a name.
+type PutSheet<'a> = dyn Fn(&str, &[Vec<super::Rgb>]) -> Result<()> + 'a;
+
+fn photo_figures(matches: &ArgMatches, models: &dyn Predictor, put: &PutSheet) -> Result<Value> {
     let data = matches.get_one::<PathBuf>("data").cloned().unwrap_or_default();
     let scenes = matches.get_one::<usize>("scenes").copied().unwrap_or(24);
     let report = photos::evaluate(&data, models, 12)?;

@@ -24,7 +24,7 @@ pub fn covered(rgba: &Raster<[f32; 4]>) -> [usize; 4] {
     for (y, row) in rgba.px.chunks_exact(w).enumerate() {
         let mut hits = row.iter().enumerate().filter(|(_, texel)| texel[3] > 0.002).map(|(x, _)| x);
         if let Some(first) = hits.next() {
-            let last = hits.last().unwrap_or(first);
+            let last = hits.next_back().unwrap_or(first);
             bounds = [bounds[0].min(first), bounds[1].min(y), bounds[2].max(last + 1), y + 1];
         }
     }
