@@ -94,6 +94,7 @@ pub(super) unsafe fn run<V: Vector>(tile: &Tile) {
 
 /// `OC` channels from `first` on, `N` vectors.
 #[inline(always)]
+#[allow(clippy::manual_memcpy, reason = "a memcpy would take the address of the sums and push them out of registers")]
 unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &Tile, first: usize) {
     // SAFETY: the caller's word.
     unsafe {

@@ -2,6 +2,7 @@
 //! for the adapter and no frame waits for a whole one.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, pos2, vec2};
@@ -144,14 +145,14 @@ impl Tiled {
         tile: &Tile,
         budget: &mut usize,
     ) -> Option<&TextureHandle> {
-        if !self.textures.contains_key(&key) {
+        if let Entry::Vacant(free) = self.textures.entry(key) {
             if *budget == 0 {
                 painter.ctx().request_repaint();
                 return None;
             }
             *budget -= 1;
             let texture = painter.ctx().load_texture("tile", Arc::clone(&tile.image), TextureOptions::LINEAR);
-            self.textures.insert(key, texture);
+            free.insert(texture);
         }
         self.textures.get(&key)
     }

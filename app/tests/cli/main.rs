@@ -1,4 +1,5 @@
 //! The real program `plenoscope`, as a person at a terminal or a script uses it.
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
 
 mod basics;
 mod common;

@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn names_with_and_without_a_tail_are_read() {
         let parse = |name: &str| parse_name(Path::new(name)).map(|c| (c.row, c.col, c.y, c.x));
-        assert_eq!(parse("out_00_00_-381.909271_1103.376221.png"), Some((0, 0, -381.909_271, 1103.376_221)));
+        assert_eq!(parse("out_00_00_-381.909271_1103.376221.png"), Some((0, 0, -381.909_271, 1_103.376_221)));
         assert_eq!(parse("out_00_12_-399.772888_671.237122_.png"), Some((0, 12, -399.772_888, 671.237_122)));
         assert_eq!(parse("out_00_12.png"), None);
     }

@@ -40,11 +40,9 @@ pub fn layout(app: &mut App, ui: &mut Ui) {
     if !is_empty {
         let is_shown = if is_narrow { app.is_drawer_open } else { app.settings.has_inspector };
         let side = Rect::from_min_max(pos2(main.right() - theme::INSPECTOR_WIDTH, main.top()), main.max);
-        if is_shown {
-            if !is_narrow {
-                main.max.x = side.left();
-            }
-            // A drawer lies over the canvas, so it is drawn last; a panel has its own room.
+        // A drawer lies over the canvas, so it is drawn last; a panel has its own room.
+        if is_shown && !is_narrow {
+            main.max.x = side.left();
         }
         picture_area(app, ui, main, is_narrow);
         if is_shown {
