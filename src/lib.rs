@@ -10,7 +10,7 @@
 //! * [`io`]: files in, files out.
 //! * [`synth`]: depth net → Lambertian rendering → occlusion net (ONNX, run by tract).
 //! * [`kernel`]: the direct convolution that inference and training share.
-//! * [`bench`]: how fast the nets run, against the machine's peak.
+//! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).

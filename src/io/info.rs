@@ -1,4 +1,4 @@
-//! What comes out of [`open`](super::open): the file's content, and what it was.
+//! What comes out of [`open`](fn@super::open): the file's content, and what it was.
 
 use std::sync::Arc;
 

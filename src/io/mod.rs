@@ -1,6 +1,6 @@
 //! Files in, files out. What a file is, is told by its content, never by its name's suffix.
 //!
-//! * [`open`] and [`open_bytes`]: anything people have → a [`PhotoFile`] or a [`LightFieldFile`].
+//! * [`open()`] and [`open_bytes`]: anything people have → a [`PhotoFile`] or a [`LightFieldFile`].
 //! * [`formats`]: one file for each light-field or depth format, and the table of who reads and writes what.
 //! * [`folder`]: the photos beside a photo, in natural order.
 //!

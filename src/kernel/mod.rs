@@ -34,7 +34,7 @@
 //! `gy·act'` in the closure; the bias gradient is the sum of the rows.
 //!
 //! # Code paths
-//! [`Isa`] picks AVX-512, AVX2 + FMA or plain Rust at run time. The same generic code ([`vector::Vector`]) is compiled for
+//! [`Isa`] picks AVX-512, AVX2 + FMA or plain Rust at run time. The same generic code (`vector::Vector`) is compiled for
 //! each; sums are ordered differently, so results differ in the last bits.
 //!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.

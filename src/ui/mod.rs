@@ -1,7 +1,7 @@
 //! The window. `app` holds it together; `panels` draw; `worker` and `jobs` compute on threads; `stage` lies on the device.
 //!
 //! Rules: the UI thread never waits; events come in through one bounded channel, actions go out through
-//! [`action::Action`]; what a person turns lies in `state`, what is open in `document`.
+//! `action::Action`; what a person turns lies in `state`, what is open in `document`.
 
 mod action;
 mod app;

@@ -1,6 +1,6 @@
 //! Pictures into files: PNG and TIFF with 8 or 16 bits, JPEG, WebP, with what the photo's file said about it.
 //!
-//! [`atomic`] is how every file of this program is written.
+//! [`atomic()`] is how every file of this program is written.
 
 mod animation;
 mod atomic;

@@ -13,7 +13,7 @@ pub(super) fn dims(tensor: &FlexTensor) -> Vec<usize> {
     tensor.shape().iter().copied().collect()
 }
 
-/// The tensor with its values in a row, so that [`slice`] can see them.
+/// The tensor with its values in a row, so that [`slice()`] can see them.
 pub(super) fn contiguous(tensor: FlexTensor) -> FlexTensor {
     if tensor.as_slice::<f32>().is_some() { tensor } else { tensor.to_contiguous() }
 }
