@@ -224,7 +224,7 @@ fn picture(request: &Request) -> crate::render::Picture {
 pub fn dialog(app: &mut App, ctx: &egui::Context) -> bool {
     let colors = theme::palette(ctx);
     let mut is_open = true;
-    let modal = egui::Modal::new(egui::Id::unique("export")).backdrop_color(theme::VEIL.gamma_multiply(0.7));
+    let modal = widgets::modal(ctx, "export");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(440.0);
         ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;

@@ -7,6 +7,8 @@ use egui::{
 
 use super::theme::{self, GRID};
 
+/// Height of a row of the inspector.
+const ROW_HEIGHT: f32 = 20.0;
 /// Width of the names before a dialog's fields.
 const LABEL_WIDTH: f32 = 96.0;
 
@@ -75,6 +77,12 @@ pub fn segmented<T: Clone + PartialEq>(
     is_changed
 }
 
+/// A dialog of the window's own, with room round its content.
+pub fn modal(ctx: &egui::Context, name: &str) -> egui::Modal {
+    let frame = egui::Frame::window(&ctx.global_style()).inner_margin(5.0 * GRID).shadow(egui::Shadow::NONE);
+    egui::Modal::new(egui::Id::unique(name)).frame(frame).backdrop_color(theme::VEIL.gamma_multiply(0.7))
+}
+
 /// A row of a dialog: name on the left, field on the right.
 pub fn labelled(ui: &mut Ui, label: &str, field: impl FnOnce(&mut Ui)) {
     let weak = theme::palette(ui.ctx()).weak;
@@ -109,6 +117,7 @@ pub struct Number<'a> {
 /// A named number: dragged, typed, or reset with a double click on its name. True when it changed.
 pub fn number(ui: &mut Ui, value: &mut f32, spec: &Number) -> bool {
     let before = *value;
+    ui.spacing_mut().interact_size.y = ROW_HEIGHT;
     ui.horizontal(|ui| {
         name(ui, spec, value);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| drag_value(ui, value, spec));
@@ -197,7 +206,7 @@ pub fn section(ui: &mut Ui, title: &str, beside: impl FnOnce(&mut Ui), body: imp
         ui.add_space(GRID);
         body(ui);
     }
-    ui.add_space(5.0 * GRID);
+    ui.add_space(4.0 * GRID);
 }
 
 /// A small label on a veil, over a picture.

@@ -11,7 +11,7 @@ use crate::ui::{theme, widgets};
 pub fn show(app: &mut App, ctx: &Context, mut text: String) -> bool {
     let colors = theme::palette(ctx);
     let mut is_open = true;
-    let modal = egui::Modal::new(egui::Id::unique("path")).backdrop_color(theme::VEIL.gamma_multiply(0.7));
+    let modal = widgets::modal(ctx, "path");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(440.0);
         ui.spacing_mut().item_spacing.y = 8.0;

@@ -10,7 +10,7 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
     let colors = theme::palette(ctx);
     let before = (app.settings.long_side, app.settings.occlusion);
     let mut is_open = true;
-    let modal = egui::Modal::new(egui::Id::unique("settings")).backdrop_color(theme::VEIL.gamma_multiply(0.7));
+    let modal = widgets::modal(ctx, "settings");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(420.0);
         ui.spacing_mut().item_spacing.y = 8.0;

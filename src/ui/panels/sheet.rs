@@ -3,12 +3,12 @@
 use egui::{Align2, Context, RichText, Sense, Ui, vec2};
 
 use crate::ui::action::{Action, MOUSE};
-use crate::ui::theme;
+use crate::ui::{theme, widgets};
 
 /// Draws the sheet; false once it is to be closed.
 pub fn show(ctx: &Context) -> bool {
     let colors = theme::palette(ctx);
-    let modal = egui::Modal::new(egui::Id::unique("shortcuts")).backdrop_color(theme::VEIL.gamma_multiply(0.7));
+    let modal = widgets::modal(ctx, "shortcuts");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(640.0);
         ui.label(RichText::new("Shortcuts").font(theme::title(16.0)).color(colors.strong));
