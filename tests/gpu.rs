@@ -21,8 +21,7 @@ fn gpu(max_layers: u32) -> Option<Gpu> {
         eprintln!("SKIPPED: no device here; install a Vulkan driver (mesa-vulkan-drivers) to check the shaders");
         return None;
     };
-    let mut limits = wgpu::Limits::default();
-    limits.max_texture_array_layers = max_layers;
+    let limits = wgpu::Limits { max_texture_array_layers: max_layers, ..wgpu::Limits::default() };
     let descriptor = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("the device opens");
     Some(Gpu::new(&device, &queue, true))

@@ -1,5 +1,6 @@
 //! Synthetic light fields whose truth is known, the tolerances, and a device for tests.
 #![allow(dead_code, reason = "each test file uses its own part")]
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
 
 use std::sync::Arc;
 
