@@ -2,6 +2,8 @@
 //!
 //! `cargo xtask test` fetches the library and sets `ORT_DYLIB_PATH`. Without it these tests say that they skip; with
 //! `CI=true` they fail.
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
+#![allow(clippy::explicit_write, reason = "the test harness keeps what eprintln! says to itself")]
 #![cfg(feature = "onnxruntime")]
 
 #[path = "common/nets.rs"]
@@ -31,8 +33,7 @@ fn runtime() -> Option<&'static Environment> {
         let library = std::env::var_os("ORT_DYLIB_PATH").map(PathBuf::from).filter(|path| path.is_file());
         let hint = "ORT_DYLIB_PATH names no ONNX Runtime library; `cargo xtask test` fetches it";
         let Some(library) = library else {
-            assert!(std::env::var("CI").as_deref() != Ok("true"), "{hint}");
-            // Not `eprintln!`, which the test harness keeps to itself.
+            assert!(std::env::var_os("CI").is_none(), "{hint}");
             writeln!(std::io::stderr(), "\nSKIPPED, tract was not compared with ONNX Runtime: {hint}\n").unwrap();
             return None;
         };

@@ -1,4 +1,5 @@
 //! Small random nets as ONNX files with manifests, written for tests.
+#![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use std::path::Path;
