@@ -207,8 +207,8 @@ fn timed<R>(f: impl FnOnce() -> R) -> (f64, R) {
     (started.elapsed().as_secs_f64(), answer)
 }
 
-/// The middle one; of an even number, the upper middle.
-fn median(values: impl Iterator<Item = f64>) -> f64 {
+/// The middle one; of an even number, the upper middle; of none, NaN.
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)

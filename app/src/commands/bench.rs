@@ -117,7 +117,12 @@ fn pipeline(file: &std::path::Path, models: &ModelSource, args: &Bench, job: &Jo
         }
     }
     let (photo, views) = sizes.ok_or_else(|| anyhow!("nothing was timed — try again"))?;
-    let report = PipelineReport { photo, views, open_seconds: median(opened), synth_seconds: median(made) };
+    let report = PipelineReport {
+        photo,
+        views,
+        open_seconds: bench::median(opened.into_iter()),
+        synth_seconds: bench::median(made.into_iter()),
+    };
     if args.json {
         return say_json(&report);
     }
@@ -126,9 +131,4 @@ fn pipeline(file: &std::path::Path, models: &ModelSource, args: &Bench, job: &Jo
         "{w}×{h} photo: open {:.3} s, {vw}×{vh} light field {:.3} s",
         report.open_seconds, report.synth_seconds
     ))
-}
-
-fn median(mut seconds: Vec<f64>) -> f64 {
-    seconds.sort_by(f64::total_cmp);
-    seconds[seconds.len() / 2]
 }

@@ -1,5 +1,6 @@
 //! The nets' operations on the direct-convolution kernel that inference uses, as differentiable operations of burn.
 
+use burn::backend::autodiff::NodeId;
 use burn::backend::autodiff::checkpoint::{base::Checkpointer, strategy::CheckpointStrategy};
 use burn::backend::autodiff::grads::Gradients;
 use burn::backend::autodiff::ops::{Backward, Ops, OpsKind};
@@ -69,6 +70,15 @@ impl LightFieldOps for Flex {
     }
 }
 
+/// Hands each parent that wants one its gradient.
+fn register<const N: usize>(gradients: &mut Gradients, parents: [Option<NodeId>; N], taken: [Option<FlexTensor>; N]) {
+    for (parent, gradient) in parents.into_iter().zip(taken) {
+        if let (Some(parent), Some(gradient)) = (parent, gradient) {
+            gradients.register::<Flex>(parent, gradient);
+        }
+    }
+}
+
 #[derive(Debug)]
 struct NormBackward;
 
@@ -79,11 +89,7 @@ impl Backward<Flex, 4> for NormBackward {
         let gy = contiguous(gradients.consume::<Flex>(&ops.node));
         let wants_x = ops.parents[0].is_some();
         let taken = norm_backward(&ops.state, slice(&gy), wants_x);
-        for (parent, gradient) in ops.parents.into_iter().zip(taken) {
-            if let (Some(parent), Some(gradient)) = (parent, gradient) {
-                gradients.register::<Flex>(parent.id, gradient);
-            }
-        }
+        register(gradients, ops.parents.map(|parent| parent.map(|node| node.id)), taken);
     }
 }
 
@@ -97,11 +103,7 @@ impl Backward<Flex, 3> for TanhBackward {
         let gy = contiguous(gradients.consume::<Flex>(&ops.node));
         let wants_x = ops.parents[0].is_some();
         let taken = tanh_backward(&ops.state, slice(&gy), wants_x);
-        for (parent, gradient) in ops.parents.into_iter().zip(taken) {
-            if let (Some(parent), Some(gradient)) = (parent, gradient) {
-                gradients.register::<Flex>(parent.id, gradient);
-            }
-        }
+        register(gradients, ops.parents.map(|parent| parent.map(|node| node.id)), taken);
     }
 }
 
