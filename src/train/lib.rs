@@ -4,6 +4,7 @@ pub mod batch;
 pub mod bench;
 pub mod checkpoint;
 pub mod config;
+pub mod contact;
 pub mod curves;
 pub mod data;
 mod error;

@@ -9,10 +9,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, Result};
 use clap::{ArgMatches, Args as _, Command, arg, value_parser};
+use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope_train::checkpoint::{Checkpoint, Moments};
 use plenoscope_train::config::{Config, Preset};
 use plenoscope_train::export::{self, About};
 use plenoscope_train::{bench, data, eslf, eval, run, scenes};
+
+#[global_allocator]
+static BLOCKS: LargeBlocks = LargeBlocks;
 
 fn main() -> ExitCode {
     let matches = command().get_matches();

@@ -13,7 +13,9 @@ use crate::TrainError;
 use crate::batch::{Batch, Draw, Loader};
 use crate::checkpoint::{Checkpoint, Moments};
 use crate::config::{Config, Stage};
+use crate::contact;
 use crate::curves;
+use crate::eval::sheet;
 use crate::nets::{Arch, Graph};
 use crate::step::{self, Report};
 
@@ -27,6 +29,10 @@ pub const OCCLUSION_FILE: &str = "occlusion.safetensors";
 pub const METRICS_FILE: &str = "metrics.jsonl";
 /// Its curves.
 pub const CURVES_FILE: &str = "curves.svg";
+/// Its contact sheet.
+pub const SHEET_FILE: &str = "sheet.png";
+/// Width of a picture on it.
+const TILE_PX: usize = 160;
 
 /// The nets of a run.
 pub struct Nets {
@@ -94,14 +100,24 @@ impl Nets {
         Ok(())
     }
 
+    /// Writes what the nets make of a batch beside the checkpoint.
+    fn draw(&self, batch: &Batch, config: &Config) -> Result<(), TrainError> {
+        let rows = match (config.stage, &self.depth, &self.occlusion) {
+            (Stage::Occlusion, depth, Some(net)) => {
+                contact::occlusion_rows(net, batch, &depths(depth.as_ref(), batch, config)?, config)?
+            }
+            (_, Some(net), _) => contact::depth_rows(net, batch, config)?,
+            _ => return Ok(()),
+        };
+        let path = config.out.join(SHEET_FILE);
+        sheet::write_png(&path, &sheet::join(&rows, TILE_PX)).map_err(|e| TrainError::Data { why: e.to_string() })
+    }
+
     fn step(&mut self, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
         match (config.stage, &mut self.depth, &mut self.occlusion) {
             (Stage::Depth, Some(net), _) => step::depth_step(net, &net.arch.graph(), batch, config, done),
             (Stage::Occlusion, depth, Some(net)) => {
-                let depths = match depth {
-                    Some(depth) => step::infer_depths(&depth.weights, &depth.arch.graph(), batch, config)?,
-                    None => batch.truth.clone(),
-                };
+                let depths = depths(depth.as_ref(), batch, config)?;
                 step::occlusion_step(net, &net.arch.graph(), batch, &depths, config, done)
             }
             (Stage::Joint, Some(depth), Some(occlusion)) => {
@@ -113,6 +129,14 @@ impl Nets {
             }
             _ => Err(TrainError::Missing { name: "net of this stage".into() }),
         }
+    }
+}
+
+/// Ray depths that the occlusion net is given: a depth net's, or the true ones.
+fn depths(net: Option<&Checkpoint>, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
+    match net {
+        Some(net) => step::infer_depths(&net.weights, &net.arch.graph(), batch, config),
+        None => Ok(batch.truth.clone()),
     }
 }
 
@@ -147,6 +171,7 @@ pub fn train(config: &Config, mut nets: Nets, draw: &Draw, stop: &AtomicBool) ->
         }
         if saved.elapsed().as_secs_f64() > config.save_secs {
             nets.save(config)?;
+            nets.draw(&batch, config)?;
             curves::draw(&log.path, &config.out.join(CURVES_FILE))?;
             saved = Instant::now();
         }
@@ -290,6 +315,16 @@ mod tests {
         let loss = |line: &serde_json::Value| line["losses"]["supervised"].as_f64().unwrap();
         assert!(loss(&lines[99]) < 0.5 * loss(&lines[0]), "{} → {}", loss(&lines[0]), loss(&lines[99]));
         assert_eq!(weights(&nets).progress.step, 100);
+    }
+
+    #[test]
+    fn a_contact_sheet_lies_beside_the_checkpoint() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = Config { save_secs: 0.0, ..config(folder.path(), 1) };
+        train(&config, Nets::start(&config).unwrap(), &toy(2, (16, 8)), &AtomicBool::new(false)).unwrap();
+        let sheet = image::open(folder.path().join(SHEET_FILE)).unwrap();
+        // Two samples, five pictures each, 4 px between them; 160 px of 16×8 are 80 px high.
+        assert_eq!((sheet.width(), sheet.height()), (5 * (TILE_PX as u32 + 4), 2 * (640 + 4)));
     }
 
     #[test]

@@ -159,6 +159,42 @@ pub fn infer_depths(weights: &Weights, graph: &Graph, batch: &Batch, config: &Co
     predict(&mut tape, graph, batch).map(values)
 }
 
+/// Ray depths `[n, 64, h, w]` of all views, whichever the batch holds.
+pub fn infer_all_depths(
+    weights: &Weights,
+    graph: &Graph,
+    batch: &Batch,
+    config: &Config,
+) -> Result<Vec<f32>, TrainError> {
+    let maps = &batch.maps;
+    let mut tape = Tape::new(weights, Mode::Infer, path(config));
+    let shape = [maps.samples, graph.input_channels(), maps.height, maps.width];
+    let x = tape.input(batch.net_input(graph.arch.has_coordinates()), shape);
+    tape.run2(graph, x, None).map(values)
+}
+
+/// The Lambertian views of these ray depths, and the same after the occlusion net, `[n, v, 3, h, w]` in 0 … 1.
+pub fn infer_views(
+    weights: &Weights,
+    graph: &Graph,
+    batch: &Batch,
+    depth: &[f32],
+    config: &Config,
+) -> Result<(Vec<f32>, Vec<f32>), TrainError> {
+    let maps = &batch.maps;
+    let rendered = loss::rendered_views(maps, &batch.photos(), depth);
+    let mut tape = Tape::new(weights, Mode::Infer, path(config));
+    let x = occlusion_input(&tape, maps, &rendered, depth);
+    let residual = values(tape.run3(graph, x)?);
+    let (p, nv) = (maps.plane(), maps.views.len());
+    let mut full = rendered.clone();
+    for (i, r) in residual.iter().enumerate() {
+        let (n, c, v) = (i / (3 * nv * p), i / (nv * p) % 3, i / p % nv);
+        full[((n * nv + v) * 3 + c) * p + i % p] += 0.5 * r;
+    }
+    Ok((rendered, full))
+}
+
 /// A step of the occlusion net: ‖L̂ − L‖₁ with L̂ = õ(L_r, D) + L_r (paper, §4.3), views rendered with `depth`.
 pub fn occlusion_step(
     net: &mut Checkpoint,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use clap::{ArgMatches, Command, arg, value_parser};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::light_field::{Closeness, Figures};
@@ -49,11 +50,14 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         Ok(sheet::write_png(&folder.join(name), &sheet::join(rows, TILE))?)
     };
     let (mut figures, mut rows) = (Vec::new(), Vec::new());
+    let bar = progress("light fields");
     for path in &fields {
         let report = light_field::evaluate(&TrueField::open(path)?, &models)?;
         figures.push(report.figures);
         rows.push(report.tiles);
+        step(&bar, fields.len());
     }
+    bar.finish_and_clear();
     put("light_fields.png", &rows)?;
     let photos = if matches.get_flag("photos") { Some(photo_figures(matches, &models, &put)?) } else { None };
     let tags: Vec<_> = models.tags().iter().map(|tag| json!({"id": tag.id, "sha256": tag.sha256})).collect();
@@ -68,15 +72,31 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     Ok(text)
 }
 
+/// A bar on the terminal's error stream, none where that is no terminal.
+fn progress(what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(0).with_style(style).with_message(what)
+}
+
+fn step(bar: &ProgressBar, all: usize) {
+    bar.set_length(all as u64);
+    bar.inc(1);
+}
+
 /// Writes the rows of a contact sheet under a name.
 type PutSheet<'a> = dyn Fn(&str, &[Vec<super::Rgb>]) -> Result<()> + 'a;
 
 fn photo_figures(matches: &ArgMatches, models: &dyn Predictor, put: &PutSheet) -> Result<Value> {
     let data = matches.get_one::<PathBuf>("data").cloned().unwrap_or_default();
     let scenes = matches.get_one::<usize>("scenes").copied().unwrap_or(24);
-    let report = photos::evaluate(&data, models, 12)?;
+    let bar = progress("photos");
+    let report = photos::evaluate(&data, models, 12, &|all| step(&bar, all))?;
+    bar.finish_and_clear();
     put("photos.png", &report.tiles)?;
-    let built = constructed::evaluate(&data, models, scenes)?;
+    let bar = progress("constructed scenes");
+    let built = constructed::evaluate(&data, models, scenes, &|all| step(&bar, all))?;
+    bar.finish_and_clear();
     put("constructed.png", &built.tiles)?;
     Ok(json!({"folders": report.summaries, "constructed": built.figures}))
 }

@@ -43,11 +43,17 @@ pub struct Report {
     pub tiles: Vec<Vec<Rgb>>,
 }
 
-/// Evaluates the first `count` validation flowers as constructed light fields.
+/// Evaluates the first `count` validation flowers as constructed light fields. `seen` is told after each one how many
+/// there are in all.
 ///
 /// # Errors
 /// What the data or the predictor says.
-pub fn evaluate(data: &std::path::Path, predictor: &dyn Predictor, count: usize) -> anyhow::Result<Report> {
+pub fn evaluate(
+    data: &std::path::Path,
+    predictor: &dyn Predictor,
+    count: usize,
+    seen: &dyn Fn(usize),
+) -> anyhow::Result<Report> {
     let mix = Mix { real: 0.0, ..Mix::default() };
     let config =
         Config { data: data.to_owned(), long_side: photos::LONG_SIDE, mix, split: Split::Val, ..Config::default() };
@@ -57,6 +63,7 @@ pub fn evaluate(data: &std::path::Path, predictor: &dyn Predictor, count: usize)
     let order: Vec<usize> = std::iter::once(REFERENCE).chain((0..64).filter(|&i| i != REFERENCE)).collect();
     let mut scenes = Vec::with_capacity(flowers.len());
     let mut tiles = Vec::new();
+    let all = flowers.len();
     for picture in flowers {
         let scene = Scene::new(&source.constructed(picture, order.clone()));
         let (found, row) = scene.compare(predictor)?;
@@ -64,6 +71,7 @@ pub fn evaluate(data: &std::path::Path, predictor: &dyn Predictor, count: usize)
         if tiles.len() < 12 {
             tiles.push(row);
         }
+        seen(all);
     }
     Ok(Report { figures: figures(&scenes), tiles })
 }

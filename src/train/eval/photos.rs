@@ -81,11 +81,16 @@ pub fn library(data: &std::path::Path, long_side: usize) -> Result<Library, Scen
     })
 }
 
-/// Evaluates photos; `tiles` of each folder come as pictures.
+/// Evaluates photos; `tiles` of each folder come as pictures. `seen` is told after each photo how many there are in all.
 ///
 /// # Errors
 /// What the predictor says; nothing to evaluate.
-pub fn evaluate(data: &std::path::Path, predictor: &dyn Predictor, tiles: usize) -> anyhow::Result<Report> {
+pub fn evaluate(
+    data: &std::path::Path,
+    predictor: &dyn Predictor,
+    tiles: usize,
+    seen: &dyn Fn(usize),
+) -> anyhow::Result<Report> {
     let library = library(data, LONG_SIDE)?;
     if library.pictures.is_empty() {
         return Err(EvalError::NoPhotos(data.to_owned()).into());
@@ -102,6 +107,7 @@ pub fn evaluate(data: &std::path::Path, predictor: &dyn Predictor, tiles: usize)
             if i % inside.len().div_ceil(tiles.max(1)).max(1) == 0 && tiles > 0 {
                 report.tiles.push(row(picture, rgb, depth));
             }
+            seen(library.pictures.len());
         }
         report.summaries.push(summary(folder, &photos));
         report.photos.extend(photos);
