@@ -404,6 +404,9 @@ pub struct Bench {
     /// Which code does the convolutions
     #[arg(long, value_enum, default_value_t = EnginePath::Auto)]
     pub path: EnginePath,
+    /// Convolutions one by one, without Winograd's algorithm
+    #[arg(long)]
+    pub exact: bool,
     /// Run once and print the peak memory in MiB
     #[arg(long, value_name = "WxH", hide = true)]
     pub once: Option<Size>,

@@ -29,11 +29,13 @@ pub struct Options {
     pub threads: usize,
     /// Which code does the convolutions.
     pub path: Path,
+    /// Without Winograd's algorithm.
+    pub exact: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { sizes: vec![[270, 187], [540, 372]], runs: 5, threads: 0, path: Path::Auto }
+        Self { sizes: vec![[270, 187], [540, 372]], runs: 5, threads: 0, path: Path::Auto, exact: false }
     }
 }
 

@@ -1,13 +1,17 @@
 //! Both nets and the warp between them at one exact size, as the pipeline runs them. Without an occlusion net its stage
 //! takes no time.
 
+use std::hint::black_box;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::Vec4;
 use rayon::prelude::*;
 
 use super::{BenchError, Options, Seconds, timed};
 use crate::field::ViewGrid;
-use crate::job::Job;
-use crate::synth::lambertian::render_row;
+use crate::job::{Cancelled, Job};
+use crate::kernel::winograd::{Columns, VolumeChain};
+use crate::synth::lambertian::{fill_row, render_row};
 use crate::synth::tract::{self, Output, Runnable, pool, prepare};
 use crate::synth::{ModelFile, ModelSource, Signed, Task};
 
@@ -37,15 +41,21 @@ impl Nets {
         let occlusion_file = index.occlusion.map(|id| models.model(&id, Task::Occlusion)).transpose()?;
         let grid = depth_file.manifest.grid()?;
         let size @ [width, height] = size.map(|side| side.max(1));
-        let engine = tract::Options { path: options.path, threads: options.threads };
+        let engine = tract::Options { path: options.path, exact: options.exact, threads: options.threads };
         let multiple = depth_file.manifest.multiple_of as usize;
         let padded = [height, width].map(|side| side.next_multiple_of(multiple));
         let shape = [1, depth_file.manifest.input_channels(), padded[0], padded[1]];
         let depth = prepare(&depth_file.onnx, &shape, &engine)?;
+        let ready = |rows: usize| {
+            let shape = [1, 4, grid.count(), rows, width];
+            occlusion_file.as_ref().map(|file| prepare(&file.onnx, &shape, &engine)).transpose()
+        };
         let fitting = STRIP_BYTES / (8 * grid.count() * width * size_of::<f32>());
-        let strip_rows = fitting.max(4 * HALO).min(height);
-        let strip = [1, 4, grid.count(), strip_rows, width];
-        let occlusion = occlusion_file.as_ref().map(|file| prepare(&file.onnx, &strip, &engine)).transpose()?;
+        let (mut occlusion, mut strip_rows) = (ready(height)?, height);
+        if occlusion.as_ref().is_some_and(|net| net.volume_chain().is_none()) {
+            strip_rows = fitting.max(4 * HALO).min(height);
+            occlusion = ready(strip_rows)?;
+        }
         let photo = picture(size);
         let threads = options.threads;
         Ok(Self { depth_file, occlusion_file, grid, size, photo, depth, occlusion, strip_rows, threads })
@@ -75,17 +85,58 @@ impl Nets {
         let maps = maps?;
         let mut seconds = Seconds { depth, ..Seconds::default() };
         let pool = pool(self.threads)?;
+        if let Some(chain) = self.occlusion.as_ref().and_then(Runnable::volume_chain) {
+            pool.install(|| self.stream(chain, &maps, &mut seconds, job))?;
+        } else {
+            self.run_strips(&pool, &maps, &mut seconds, job)?;
+        }
+        seconds.total = seconds.depth + seconds.warp + seconds.occlusion;
+        Ok(seconds)
+    }
+
+    /// The warp straight into an occlusion net that goes down the picture row by row. The warp's seconds are those of
+    /// all threads by their number.
+    fn stream(
+        &self,
+        chain: &VolumeChain,
+        maps: &Output,
+        seconds: &mut Seconds,
+        job: &Job,
+    ) -> Result<(), Cancelled> {
+        let [width, height] = self.size;
+        let nanos = AtomicU64::new(0);
+        let fill = |at: Columns, rows: &mut [f32], step: usize| {
+            let (took, ()) = timed(|| {
+                let from = self.grid.offset(self.grid.view_from_layer(at.view));
+                let disparity_px = &map_row(maps, at.view, at.y)[at.x.clone()];
+                fill_row(&self.photo, disparity_px, [at.x.start, at.y], from, rows, step);
+            });
+            nanos.fetch_add((took * 1e9) as u64, Ordering::Relaxed);
+        };
+        let size = [self.grid.count(), height, width];
+        let (took, done) = timed(|| chain.run(size, fill, |rows| _ = black_box(rows.row(0, 0, rows.y.start)[0]), Some(job.cancel.flag())));
+        seconds.warp = nanos.into_inner() as f64 / 1e9 / rayon::current_num_threads() as f64;
+        seconds.occlusion = took - seconds.warp;
+        done
+    }
+
+    fn run_strips(
+        &self,
+        pool: &rayon::ThreadPool,
+        maps: &Output,
+        seconds: &mut Seconds,
+        job: &Job,
+    ) -> Result<(), BenchError> {
         for first in self.strips() {
             job.check()?;
-            let (warp, input) = timed(|| pool.install(|| self.warp(&maps, first)));
+            let (warp, input) = timed(|| pool.install(|| self.warp(maps, first)));
             seconds.warp += warp;
             let Some(net) = &self.occlusion else { continue };
             let (occlusion, answer) = timed(|| net.run(&input, job.cancel));
             answer?;
             seconds.occlusion += occlusion;
         }
-        seconds.total = seconds.depth + seconds.warp + seconds.occlusion;
-        Ok(seconds)
+        Ok(())
     }
 
     /// First rows of the strips.
@@ -98,7 +149,6 @@ impl Nets {
     /// The occlusion net's input of one strip, `[c, v, u, y, x]`.
     fn warp(&self, maps: &Output, first: usize) -> Vec<f32> {
         let ([width, _], rows) = (self.size, self.strip_rows);
-        let [.., map_rows, map_columns] = *maps.shape() else { return Vec::new() };
         let mut input = vec![0.0; 4 * self.grid.count() * rows * width];
         let (colour, disparity) = input.split_at_mut(3 * self.grid.count() * rows * width);
         let (red, rest) = colour.split_at_mut(self.grid.count() * rows * width);
@@ -107,12 +157,18 @@ impl Nets {
         let planes = planes.zip(blue.par_chunks_exact_mut(width)).zip(disparity.par_chunks_exact_mut(width));
         planes.enumerate().for_each(|(row, (((r, g), b), d))| {
             let (view, y) = (row / rows, first + row % rows);
-            d.copy_from_slice(&maps[(view * map_rows + y) * map_columns..][..width]);
+            d.copy_from_slice(&map_row(maps, view, y)[..width]);
             let from = self.grid.offset(self.grid.view_from_layer(view));
-            render_row(&self.photo, d, y, from, |x, colour| (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z));
+            render_row(&self.photo, d, [0, y], from, |x, colour| (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z));
         });
         input
     }
+}
+
+/// One row of one view's map, `[1, v, y, x]`.
+fn map_row(maps: &Output, view: usize, y: usize) -> &[f32] {
+    let [.., rows, columns] = *maps.shape() else { return &[] };
+    &maps[(view * rows + y) * columns..][..columns]
 }
 
 /// A picture with something in it everywhere.

@@ -57,6 +57,7 @@ mod shape;
 mod tile;
 mod vector;
 mod weight_tile;
+pub mod winograd;
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;

@@ -22,6 +22,15 @@ impl Packed {
         Self::from_fn(channels_out, channels_in, taps, |o, i, tap| weights[(o * channels_in + i) * taps + tap])
     }
 
+    /// The weights as they were, `[c_out, c_in, taps]`.
+    pub fn plain(&self) -> Vec<f32> {
+        let place = |i: usize| {
+            let (o, rest) = (i / (self.channels_in * self.taps), i % (self.channels_in * self.taps));
+            (o / BLOCK * self.channels_in * self.taps + rest) * BLOCK + o % BLOCK
+        };
+        (0..self.channels_out * self.channels_in * self.taps).map(|i| self.values[place(i)]).collect()
+    }
+
     /// Packs the weights of the data gradient: in and out exchanged, taps in reverse order.
     pub(super) fn transposed(weights: &[f32], channels_out: usize, channels_in: usize, kernel: Kernel) -> Self {
         let taps = kernel.taps();

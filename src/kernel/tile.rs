@@ -108,17 +108,26 @@ unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &Tile, first
         }
         for (o, results) in results.iter().enumerate().take(tile.channels_out - first) {
             for (n, &sum) in results.iter().enumerate() {
-                let value = match tile.activation {
-                    Activation::None => sum,
-                    Activation::Elu => elu(sum),
-                    Activation::Tanh { scale } => tanh(sum).mul(V::splat(scale)),
-                };
+                let value = activate(sum, tile.activation);
                 let out = tile.out.add((first + o) * tile.out_step + n * tile.vector_step[1]);
                 match tile.width - (n * tile.lane_step).min(tile.width) {
                     left if left >= V::LANES => value.store(out),
                     left => value.store_first(out, left),
                 }
             }
+        }
+    }
+}
+
+/// The activation of every lane.
+#[inline(always)]
+pub(super) unsafe fn activate<V: Vector>(value: V, activation: Activation) -> V {
+    // SAFETY: the caller's word; no memory is touched.
+    unsafe {
+        match activation {
+            Activation::None => value,
+            Activation::Elu => elu(value),
+            Activation::Tanh { scale } => tanh(value).mul(V::splat(scale)),
         }
     }
 }

@@ -93,12 +93,31 @@ pub(super) unsafe fn tanh<V: Vector>(x: V) -> V {
 /// The functions that the rest of the kernel calls, compiled for one set of instructions.
 macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
+        use $crate::kernel::winograd::{plane_tile, volume_tile};
         use $crate::kernel::{norm, peak, tile, weight_tile};
 
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
             // SAFETY: the caller's word.
             unsafe { tile::run::<$vector>(tile) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_plane(tiles: &plane_tile::Tiles, scratch: *mut f32) {
+            // SAFETY: the caller's word.
+            unsafe { plane_tile::run::<$vector>(tiles, scratch) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_volume(tile: &volume_tile::VolumeTile) {
+            // SAFETY: the caller's word.
+            unsafe { volume_tile::run::<$vector>(tile) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_views(views: [*const f32; 6], to: *mut f32, step: usize, len: usize) {
+            // SAFETY: the caller's word.
+            unsafe { volume_tile::transform_views::<$vector>(views, to, step, len) }
         }
 
         $(#[target_feature(enable = $features)])?

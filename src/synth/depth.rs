@@ -9,6 +9,9 @@ use super::{Channels, ModelError, ModelFile, SynthError};
 use crate::field::{DisparityMap, View, ViewGrid, fit_long_side};
 use crate::job::Job;
 
+/// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
+const BUCKET_PX: usize = 16;
+
 /// The depth net of a manifest with `task = "ray-depth"`.
 pub(super) struct DepthNet {
     net: Net,
@@ -74,7 +77,8 @@ impl DepthNet {
     fn at_scale(&self, photo: &Signed, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
         let manifest = self.net.manifest();
         let multiple = manifest.multiple_of as usize;
-        let padded = photo.size.map(|side| side.next_multiple_of(multiple));
+        let bucket = multiple * BUCKET_PX.div_ceil(multiple);
+        let padded = photo.size.map(|side| side.next_multiple_of(bucket));
         let input = net_input(photo, padded, &manifest.inputs);
         let shape = [1, manifest.input_channels(), padded[1], padded[0]];
         let output = self.net.run(&shape, &input, threads, job.cancel)?;

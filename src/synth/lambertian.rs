@@ -8,11 +8,36 @@ use crate::field::{FieldError, View, ViewOffset};
 
 /// One row of one view, as the nets see it: −1 … 1, (r, g, b, 0) a pixel.
 ///
-/// `disparity_px` is that row of the view's own ray depths. `put(x, colour)` takes the pixels in order.
-pub fn render_row(photo: &Signed, disparity_px: &[f32], y: usize, from: ViewOffset, mut put: impl FnMut(usize, Vec4)) {
-    for (x, d) in disparity_px.iter().enumerate() {
-        put(x, photo.tap(x as f32 + from.du * d, y as f32 + from.dv * d));
+/// `disparity_px` is that row of the view's own ray depths, from the pixel `first` on. `put(i, colour)` takes the
+/// pixels in order.
+pub fn render_row(
+    photo: &Signed,
+    disparity_px: &[f32],
+    first: [usize; 2],
+    from: ViewOffset,
+    mut put: impl FnMut(usize, Vec4),
+) {
+    for (i, d) in disparity_px.iter().enumerate() {
+        put(i, photo.tap((first[0] + i) as f32 + from.du * d, first[1] as f32 + from.dv * d));
     }
+}
+
+/// The occlusion net's input for such a row: red, green, blue and disparity, each `step` values after the other.
+pub fn fill_row(
+    photo: &Signed,
+    disparity_px: &[f32],
+    first: [usize; 2],
+    from: ViewOffset,
+    rows: &mut [f32],
+    step: usize,
+) {
+    let (red, rest) = rows.split_at_mut(step);
+    let (green, rest) = rest.split_at_mut(step);
+    let (blue, disparity) = rest.split_at_mut(step);
+    disparity[..disparity_px.len()].copy_from_slice(disparity_px);
+    render_row(photo, disparity_px, first, from, |i, colour| {
+        (red[i], green[i], blue[i]) = (colour.x, colour.y, colour.z);
+    });
 }
 
 /// One whole view from its ray depths.
@@ -23,7 +48,7 @@ pub fn render_view(photo: &Signed, disparity_px: &[f32], from: ViewOffset) -> Re
     let [w, h] = photo.size;
     let mut rgba = vec![255; w * h * 4];
     for (y, (row, depths)) in rgba.chunks_exact_mut(w * 4).zip(disparity_px.chunks_exact(w)).enumerate() {
-        render_row(photo, depths, y, from, |x, colour| row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour)));
+        render_row(photo, depths, [0, y], from, |x, colour| row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour)));
     }
     View::new(photo.size.map(|side| side as u32), rgba)
 }

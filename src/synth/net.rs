@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use super::tract::{EngineError, Options, Output, Runnable, prepare};
 use super::{Manifest, ModelError, ModelFile, ModelTag, SynthError};
 use crate::job::{Cancel, Cancelled};
+use crate::kernel::winograd::VolumeChain;
 
 /// Shapes that are kept ready; the oldest goes first.
 const WARM_SHAPES: usize = 8;
@@ -14,6 +15,8 @@ const TRIAL_SIDE: usize = 16;
 /// A checked model and the shapes it is ready for.
 pub(super) struct Net {
     file: ModelFile,
+    /// The net for every size, where it is that simple.
+    chain: Option<VolumeChain>,
     warm: Mutex<Vec<(usize, Runnable)>>,
 }
 
@@ -24,17 +27,21 @@ impl Net {
         input: impl Fn(usize, usize) -> Vec<usize>,
         output: impl Fn(usize, usize) -> Vec<usize>,
     ) -> Result<Self, ModelError> {
-        let net = Self { file, warm: Mutex::default() };
+        let mut net = Self::unchecked(file);
         let side = TRIAL_SIDE.max(net.manifest().multiple_of as usize);
         let options = Options { threads: 1, ..Options::default() };
         let trial = prepare(&net.file.onnx, &input(side, side), &options).map_err(|error| net.engine(error))?;
         let (got, want) = (trial.output_shape(), output(side, side));
-        if got == want { Ok(net) } else { Err(net.shape(got, &want)) }
+        if got != want {
+            return Err(net.shape(got, &want));
+        }
+        net.chain = trial.volume_chain().cloned();
+        Ok(net)
     }
 
     /// Takes a model whose answer is looked at only when it comes.
     pub(super) fn unchecked(file: ModelFile) -> Self {
-        Self { file, warm: Mutex::default() }
+        Self { file, chain: None, warm: Mutex::default() }
     }
 
     /// Width and height of an answer that is one map: its axes that are longer than 1, or the last two.
@@ -47,6 +54,11 @@ impl Net {
             }
             _ => Err(self.shape(shape, &[1, 1])),
         }
+    }
+
+    /// The net for pictures of any size, if it is nothing but a chain of convolutions over views.
+    pub(super) fn volume_chain(&self) -> Option<&VolumeChain> {
+        self.chain.as_ref()
     }
 
     /// What the model says about itself.

@@ -1,14 +1,19 @@
-//! The occlusion net (paper, §3.3): `L̂ = õ(L_r, D) + L_r`, run in strips of rows so that memory stays bounded.
+//! The occlusion net (paper, §3.3): `L̂ = õ(L_r, D) + L_r`.
+//!
+//! A net that is nothing but a chain of convolutions over the views goes down the picture row by row: Lambertian
+//! colours are rendered straight into its first layer, and nothing of the picture's size lies between its layers. Any
+//! other net is run in strips of rows, so that memory stays bounded.
 
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::lambertian::{encode, render_row};
+use super::lambertian::{encode, fill_row, render_row};
 use super::net::Net;
 use super::picture::Signed;
 use super::{ModelError, ModelFile, SynthError};
 use crate::field::{RayDepths, View, ViewGrid};
-use crate::job::{Job, Stage};
+use crate::job::{Cancelled, Job, Progress, Stage};
+use crate::kernel::winograd::{Columns, Rows, VolumeChain};
 
 /// Rows (and columns) that the net sees beyond a pixel: five layers of 3×3×3.
 const HALO: usize = 5;
@@ -33,6 +38,10 @@ pub(super) struct Residuals {
 
 const UNIT: f32 = 32767.0;
 
+fn stored(residual: f32) -> i16 {
+    (residual.clamp(-1.0, 1.0) * UNIT).round() as i16
+}
+
 impl OcclusionNet {
     /// Checks the model against its manifest and the grid of the depth net.
     pub(super) fn load(file: ModelFile, grid: ViewGrid) -> Result<Self, ModelError> {
@@ -50,7 +59,7 @@ impl OcclusionNet {
         &self.net
     }
 
-    /// Residuals for the Lambertian views of `photo` with these ray depths (both of one size), strip by strip.
+    /// Residuals for the Lambertian views of `photo` with these ray depths (both of one size).
     pub(super) fn residuals(
         &self,
         photo: &Signed,
@@ -58,6 +67,9 @@ impl OcclusionNet {
         threads: usize,
         job: &Job,
     ) -> Result<Residuals, SynthError> {
+        if let Some(chain) = self.net.volume_chain() {
+            return Ok(row_by_row(chain, photo, depths, job)?);
+        }
         let [w, h] = photo.size;
         let strips = Strips::new(h, rows_that_fit(w, depths.grid()));
         let mut out = Residuals { size: photo.size, rgb: vec![0; depths.grid().count() * 3 * w * h] };
@@ -71,6 +83,27 @@ impl OcclusionNet {
         job.advance(Stage::Occlusion, strips.count() as u32, strips.count() as u32)?;
         Ok(out)
     }
+}
+
+/// Residuals of a net that takes its input row by row.
+fn row_by_row(chain: &VolumeChain, photo: &Signed, depths: &RayDepths, job: &Job) -> Result<Residuals, Cancelled> {
+    let ([w, h], grid) = (photo.size, depths.grid());
+    let mut out = Residuals { size: photo.size, rgb: vec![0; grid.count() * 3 * w * h] };
+    let fill = |at: Columns, rows: &mut [f32], step: usize| {
+        let view = grid.view_from_layer(at.view);
+        let disparity_px = &depths.view(view)[at.y * w..][at.x.clone()];
+        fill_row(photo, disparity_px, [at.x.start, at.y], grid.offset(view), rows, step);
+    };
+    let (mut done, total) = (0, (w * h) as u32);
+    let take = |rows: Rows| {
+        job.sink.progress(Progress { stage: Stage::Occlusion, done, total });
+        done += (rows.x.len() * rows.y.len()) as u32;
+        out.keep_rows(&rows);
+    };
+    job.advance(Stage::Occlusion, 0, total)?;
+    chain.run([grid.count(), h, w], fill, take, Some(job.cancel.flag()))?;
+    job.advance(Stage::Occlusion, total, total)?;
+    Ok(out)
 }
 
 /// Rows of a strip whose widest activation takes [`STRIP_BYTES`].
@@ -127,7 +160,7 @@ fn strip_input(photo: &Signed, depths: &RayDepths, first: usize, rows: usize) ->
     planes.zip(disparity.par_chunks_exact_mut(w)).enumerate().for_each(|(row, (((r, g), b), d))| {
         let (view, y) = (grid.view_from_layer(row / rows), first + row % rows);
         d.copy_from_slice(&depths.view(view)[y * w..(y + 1) * w]);
-        render_row(photo, d, y, grid.offset(view), |x, colour| (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z));
+        render_row(photo, d, [0, y], grid.offset(view), |x, colour| (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z));
     });
     input
 }
@@ -142,7 +175,19 @@ impl Residuals {
             let from = &residual[(c * views + view) * rows * w..][..rows * w];
             let inside = (strip.keep.start - strip.first) * w..(strip.keep.end - strip.first) * w;
             let out = &mut out[strip.keep.start * w..strip.keep.end * w];
-            out.iter_mut().zip(&from[inside]).for_each(|(o, r)| *o = (r.clamp(-1.0, 1.0) * UNIT).round() as i16);
+            out.iter_mut().zip(&from[inside]).for_each(|(o, r)| *o = stored(*r));
+        });
+    }
+
+    /// Copies finished rows.
+    fn keep_rows(&mut self, rows: &Rows) {
+        let [w, h] = self.size;
+        self.rgb.par_chunks_exact_mut(w * h).enumerate().for_each(|(plane, out)| {
+            let (view, c) = (plane / 3, plane % 3);
+            for y in rows.y.clone() {
+                let out = &mut out[y * w..][rows.x.clone()];
+                out.iter_mut().zip(rows.row(view, c, y)).for_each(|(o, r)| *o = stored(*r));
+            }
         });
     }
 
@@ -171,7 +216,7 @@ impl Residuals {
         let mut rgba = vec![255; w * h * 4];
         for (y, (row, d)) in rgba.chunks_exact_mut(w * 4).zip(depths.view(at).chunks_exact(w)).enumerate() {
             let sy = (y as f32 + 0.5) * ry - 0.5;
-            render_row(photo, d, y, depths.grid().offset(at), |x, colour| {
+            render_row(photo, d, [0, y], depths.grid().offset(at), |x, colour| {
                 let residual = self.tap(layer, (x as f32 + 0.5) * rx - 0.5, sy);
                 row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour + residual));
             });

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Result, anyhow, bail};
+use clap::ValueEnum as _;
 use plenoscope::bench::{self, Options, Report};
 use plenoscope::io::{self, Opened};
 use plenoscope::job::Job;
@@ -17,7 +18,8 @@ use crate::values::Size;
 /// Times what was asked for and says it.
 pub fn run(args: &Bench, job: &Job) -> Result<()> {
     let models = args.models.clone().map_or(ModelSource::Embedded, ModelSource::Folder);
-    let mut options = Options { threads: args.threads.into(), path: path(args.path), ..Options::default() };
+    let (threads, path, exact) = (args.threads.into(), path(args.path), args.exact);
+    let mut options = Options { threads, path, exact, ..Options::default() };
     if let Some(Size(size)) = args.once {
         bench::once(&models, &options, size.map(|side| side as usize), job)?;
         return say(&bench::peak_rss_mib().unwrap_or(f64::NAN).to_string());
@@ -50,6 +52,12 @@ fn path(path: EnginePath) -> tract::Path {
 fn peak_rss_mib(args: &Bench, [width, height]: [usize; 2]) -> Option<f64> {
     let mut command = std::process::Command::new(std::env::current_exe().ok()?);
     command.args(["bench", "--once", &format!("{width}x{height}"), "--threads", &args.threads.to_string()]);
+    if let Some(path) = args.path.to_possible_value() {
+        command.args(["--path", path.get_name()]);
+    }
+    if args.exact {
+        command.arg("--exact");
+    }
     if let Some(models) = &args.models {
         command.arg("--models").arg(models);
     }

@@ -1,11 +1,12 @@
 //! The only place that knows tract: a plain ONNX file becomes a [`Runnable`] for one input shape.
 //!
 //! ```text
-//! ONNX bytes ─parse─► typed model at a fixed shape ─rewrite─► direct convolutions ─optimise─► Runnable
+//! ONNX bytes ─parse─► typed model at a fixed shape ─rewrite─► direct convolutions ─fuse─► chains ─optimise─► Runnable
 //! ```
 //!
 //! Optimising costs 20–100 ms and is bound to the shape, so whoever runs a net often keeps its `Runnable`.
 
+mod chain;
 mod elu;
 mod error;
 mod op;
@@ -24,7 +25,9 @@ pub use error::EngineError;
 pub use options::{Options, Path};
 pub(crate) use threads::pool;
 
+use self::chain::{Chain, Convolutions};
 use crate::job::Cancel;
+use crate::kernel::winograd::VolumeChain;
 
 /// A net made ready for one input shape. Cheap to clone; may be run from several threads at once.
 #[derive(Clone, Debug)]
@@ -76,6 +79,9 @@ pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> R
         .map_err(shape_error)?;
     if let Some(isa) = isa {
         rewrite::rewrite(&mut model, isa).map_err(shape_error)?;
+        if !options.exact {
+            chain::fuse(&mut model).map_err(shape_error)?;
+        }
     }
     let plan = model.into_optimized().and_then(|model| model.into_runnable()).map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;
@@ -99,17 +105,37 @@ impl Runnable {
 
     /// How many convolutions of the net are done by the kernel.
     pub fn direct_convolutions(&self) -> usize {
-        self.plan.model().nodes().iter().filter(|node| node.op_is::<op::DirectConv>()).count()
+        let of = |node: &TypedNode| match node.op_as::<Chain>() {
+            Some(chain) => chain.len,
+            None => usize::from(node.op_is::<op::DirectConv>()),
+        };
+        self.plan.model().nodes().iter().map(of).sum()
     }
 
-    /// Useful floating-point operations of one run in the convolutions that the kernel does (two per multiply-add).
+    /// Useful floating-point operations of one run in the convolutions that the kernel does: two per multiply-add of
+    /// the plain sum, whatever algorithm does it.
     pub fn flop(&self) -> f64 {
         let of = |node: &TypedNode| {
-            let op = node.op_as::<op::DirectConv>()?;
-            let outputs: usize = node.outputs[0].fact.shape.as_concrete()?.iter().product();
-            Some(2.0 * outputs as f64 * (op.channels[0] * op.kernel.taps()) as f64)
+            let products = match (node.op_as::<op::DirectConv>(), node.op_as::<Chain>()) {
+                (Some(op), _) => op.channels[0] * op.channels[1] * op.kernel.taps(),
+                (_, Some(chain)) => chain.products,
+                _ => return None,
+            };
+            let plane: usize = node.outputs[0].fact.shape.as_concrete()?.iter().skip(2).product();
+            Some(2.0 * plane as f64 * products as f64)
         };
         self.plan.model().nodes().iter().filter_map(of).sum()
+    }
+
+    /// The net, if it is nothing but one chain of convolutions over views: it takes pictures of any size, row by row.
+    pub fn volume_chain(&self) -> Option<&VolumeChain> {
+        let nodes = self.plan.model().nodes();
+        let [source, chain] = &nodes[..] else { return None };
+        let chain = chain.op_as::<Chain>().filter(|_| source.outputs.len() == 1)?;
+        match &*chain.convolutions {
+            Convolutions::Volume(chain) => Some(chain),
+            Convolutions::Plane(_) => None,
+        }
     }
 
     /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)).

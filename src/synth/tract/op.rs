@@ -22,6 +22,11 @@ pub(super) fn with_cancel<R>(cancel: &Cancel, f: impl FnOnce() -> R) -> R {
     result
 }
 
+/// The cancel flag of the net that runs on this thread.
+pub(super) fn cancel() -> Option<Cancel> {
+    CANCEL.with_borrow(Clone::clone)
+}
+
 /// A convolution of stride 1 and group 1 with constant weights; `[n, c, y, x]`, or `[n, c, v, y, x]` where the kernel
 /// is a volume.
 #[derive(Clone, Debug)]
@@ -63,7 +68,7 @@ impl DirectConv {
         let conv = self.conv(input.shape())?;
         let mut shape: TVec<usize> = input.shape().into();
         shape[1] = self.channels[1];
-        let cancel = CANCEL.with_borrow(Clone::clone);
+        let cancel = cancel();
         let flag = cancel.as_ref().map(Cancel::flag);
         let input = conv.pad_input(input.try_as_plain_ram()?.as_slice::<f32>()?);
         let mut output = uninitialized(&shape)?;
@@ -75,14 +80,14 @@ impl DirectConv {
 
 /// A tensor whose values are still to be written.
 #[allow(unsafe_code, reason = "zeroing tens of megabytes that are written over at once costs as much as a layer")]
-fn uninitialized(shape: &[usize]) -> TractResult<Tensor> {
+pub(super) fn uninitialized(shape: &[usize]) -> TractResult<Tensor> {
     // SAFETY: the caller writes every value before anyone reads; on an error the tensor is dropped, and f32 has no drop.
     unsafe { Tensor::uninitialized::<f32>(shape) }
 }
 
 /// The values of a tensor as memory to be written.
 #[allow(unsafe_code, reason = "see above")]
-fn room(tensor: &mut Tensor) -> TractResult<&mut [MaybeUninit<f32>]> {
+pub(super) fn room(tensor: &mut Tensor) -> TractResult<&mut [MaybeUninit<f32>]> {
     let (len, first) = (tensor.len(), tensor.as_ptr_mut::<f32>()?);
     // SAFETY: a plain tensor holds `len` values from `first` on, and is borrowed for as long as the slice.
     Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), len) })

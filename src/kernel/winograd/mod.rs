@@ -1,0 +1,42 @@
+//! Winograd's convolution F(4, 3): four neighbouring results of a kernel of three taps from six products in place of
+//! twelve (Lavin & Gray 2016, "Fast algorithms for convolutional neural networks"). Results differ from the direct
+//! convolution by a few units of the fifth digit.
+//!
+//! - [`PlaneChain`]: 3×3 kernels of many channels, F(4×4, 3×3): a quarter of the products. A dilated kernel is d²
+//!   interleaved plain ones.
+//! - [`VolumeChain`]: 3×3×3 kernels of few channels, F(4, 3) along the views: half of the products; all layers go
+//!   through the picture together, row by row, so that what lies between two layers stays in cache.
+//!
+//! Between consecutive layers nothing is copied and nothing is padded.
+
+mod plane;
+pub(super) mod plane_tile;
+mod transform;
+mod volume;
+pub(super) mod volume_tile;
+
+#[cfg(test)]
+mod tests;
+
+pub use plane::PlaneChain;
+pub use volume::{Columns, Rows, VolumeChain};
+
+use super::shape::Padding;
+use super::tile::Activation;
+
+/// One convolution of a chain.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer<'a> {
+    /// `[c_out, c_in, (3 view taps,) 3 y taps, 3 x taps]`.
+    pub weights: &'a [f32],
+    /// One value per channel of the result.
+    pub bias: &'a [f32],
+    /// Channels of input and result.
+    pub channels: [usize; 2],
+    /// Distance of neighbouring taps in rows and columns.
+    pub dilation: usize,
+    /// What stands outside the picture.
+    pub padding: Padding,
+    /// What happens to the sums.
+    pub activation: Activation,
+}

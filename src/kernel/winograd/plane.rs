@@ -1,0 +1,179 @@
+//! Consecutive 3×3 convolutions of many channels by Winograd's F(4×4, 3×3), activations channel-last in between.
+
+use std::cell::RefCell;
+use std::mem::MaybeUninit;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::Layer;
+use super::plane_tile::{COMPONENTS, GROUP, TILES, Tiles, scratch_len};
+use super::transform::{POINTS, of_weights};
+use crate::job::Cancelled;
+use crate::kernel::isa::{Isa, on_isa};
+use crate::kernel::padded::SendPtr;
+use crate::kernel::shape::Padding;
+use crate::kernel::tile::Activation;
+
+thread_local! {
+    /// A thread's transformed tiles.
+    static SCRATCH: RefCell<Vec<f32>> = const { RefCell::new(Vec::new()) };
+}
+
+/// 3×3 convolutions that follow each other, weights transformed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneChain {
+    isa: Isa,
+    layers: Vec<Ready>,
+}
+
+/// A layer with transformed weights.
+#[derive(Clone, Debug, PartialEq)]
+struct Ready {
+    /// `[component][c_out / 16][c_in][16]`
+    weights: Vec<f32>,
+    bias: Vec<f32>,
+    channels: [usize; 2],
+    dilation: usize,
+    padding: Padding,
+    activation: Activation,
+}
+
+impl PlaneChain {
+    /// Whether a convolution with these channels gains by it.
+    pub fn pays([channels_in, channels_out]: [usize; 2]) -> bool {
+        let whole = channels_in.is_multiple_of(GROUP) && channels_out.is_multiple_of(GROUP);
+        whole && channels_in * channels_out >= 1024
+    }
+
+    /// Transforms the weights of `layers`, all of which [pay](Self::pays); each takes the channels that the one before
+    /// it makes.
+    pub fn new(layers: &[Layer], isa: Isa) -> Self {
+        Self { isa, layers: layers.iter().map(Ready::new).collect() }
+    }
+
+    /// Channels of the result.
+    pub fn channels_out(&self) -> usize {
+        self.layers.last().map_or(0, |layer| layer.channels[1])
+    }
+
+    /// Runs the chain on `x` `[c, y, x]` of `[rows, columns]`. After `Ok` every value of `out` is written.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `cancel` is set.
+    pub fn run(
+        &self,
+        x: &[f32],
+        size: [usize; 2],
+        out: &mut [MaybeUninit<f32>],
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Cancelled> {
+        let pixels = size[0] * size[1];
+        let mut values = room(x.len());
+        transpose(x, &mut values.spare_capacity_mut()[..x.len()], pixels);
+        // SAFETY: `transpose` has written all of it.
+        unsafe { values.set_len(x.len()) };
+        for layer in &self.layers {
+            let len = pixels * layer.channels[1];
+            let mut next = room(len);
+            layer.run(self.isa, &values, size, &mut next.spare_capacity_mut()[..len], cancel)?;
+            // SAFETY: the tiles cover every pixel, and all channels of it.
+            unsafe { next.set_len(len) };
+            values = next;
+        }
+        transpose(&values, out, self.channels_out());
+        Ok(())
+    }
+}
+
+fn room(len: usize) -> Vec<f32> {
+    Vec::with_capacity(len)
+}
+
+/// `[columns, rows]` from `from` `[rows, columns]`, in squares that stay in cache.
+fn transpose(from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize) {
+    const SIDE: usize = 16;
+    let rows = from.len() / columns;
+    assert_eq!(from.len(), to.len(), "length of the transposed picture");
+    to.par_chunks_mut(SIDE * rows).enumerate().for_each(|(band, to)| {
+        let width = to.len() / rows;
+        for first in (0..rows).step_by(SIDE) {
+            for i in 0..width {
+                let to = &mut to[i * rows..(i + 1) * rows];
+                for row in first..(first + SIDE).min(rows) {
+                    to[row].write(from[row * columns + band * SIDE + i]);
+                }
+            }
+        }
+    });
+}
+
+impl Ready {
+    fn new(layer: &Layer) -> Self {
+        let Layer { channels, dilation, padding, activation, .. } = *layer;
+        let [c_in, c_out] = channels;
+        assert_eq!(layer.weights.len(), c_in * c_out * 9, "number of weights");
+        let mut weights = vec![0.0; COMPONENTS * c_in * c_out];
+        for (i, taps) in layer.weights.chunks_exact(9).enumerate() {
+            let (o, c) = (i / c_in, i % c_in);
+            let at = (o / GROUP * c_in + c) * GROUP + o % GROUP;
+            for (component, weight) in transformed(taps).into_iter().enumerate() {
+                weights[component * c_in * c_out + at] = weight;
+            }
+        }
+        Self { weights, bias: layer.bias.to_vec(), channels, dilation, padding, activation }
+    }
+
+    fn run(
+        &self,
+        isa: Isa,
+        x: &[f32],
+        size: [usize; 2],
+        out: &mut [MaybeUninit<f32>],
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Cancelled> {
+        let pixels = size[0] * size[1];
+        assert_eq!([x.len(), out.len()], self.channels.map(|c| c * pixels), "lengths of input and result");
+        let (x, out) = (SendPtr(x.as_ptr().cast_mut()), SendPtr(out.as_mut_ptr().cast()));
+        let zeros = vec![0.0; if self.padding == Padding::Zero { self.channels[0] } else { 0 }];
+        let outside = SendPtr(if zeros.is_empty() { std::ptr::null_mut() } else { zeros.as_ptr().cast_mut() });
+        let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
+        origins(size, self.dilation).par_chunks(TILES).with_max_len(1).for_each(|origins| {
+            if stopped() {
+                return;
+            }
+            // SAFETY: offsets of 0.
+            let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
+            let Self { channels, dilation, activation, .. } = *self;
+            let (weights, bias) = (&self.weights[..], &self.bias[..]);
+            let tiles = Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, origins };
+            SCRATCH.with_borrow_mut(|scratch| {
+                scratch.resize(scratch_len(channels).max(scratch.len()), 0.0);
+                on_isa!(isa, winograd_plane(&tiles, scratch.as_mut_ptr()));
+            });
+        });
+        if stopped() { Err(Cancelled) } else { Ok(()) }
+    }
+}
+
+/// Nine taps, transformed along both axes.
+fn transformed(taps: &[f32]) -> [f32; COMPONENTS] {
+    let rows = [0, 3, 6].map(|row| of_weights([taps[row], taps[row + 1], taps[row + 2]]));
+    let mut all = [0.0; COMPONENTS];
+    for j in 0..POINTS {
+        for (i, value) in of_weights(rows.map(|row| row[j])).into_iter().enumerate() {
+            all[i * POINTS + j] = value;
+        }
+    }
+    all
+}
+
+/// First results of all tiles: in each of the d² interleaved pictures, every fourth row and column.
+fn origins(size: [usize; 2], dilation: usize) -> Vec<[u32; 2]> {
+    let firsts = |size: usize| {
+        let starts = (0..size).step_by(4 * dilation);
+        starts.flat_map(move |start| (start..(start + dilation).min(size)).map(|at| at as u32)).collect::<Vec<_>>()
+    };
+    let columns = firsts(size[1]);
+    firsts(size[0]).into_iter().flat_map(|y| columns.iter().map(move |&x| [y, x])).collect()
+}

@@ -1,0 +1,161 @@
+//! `Chain`: consecutive convolutions that Winograd's algorithm does together, as one tract operator.
+
+use std::sync::Arc;
+
+use tract_onnx::tract_core::internal::*;
+
+use super::op::{self, DirectConv};
+use crate::job::Cancel;
+use crate::kernel::Kernel;
+use crate::kernel::winograd::{Layer, PlaneChain, VolumeChain};
+
+/// Pixels from which on the transforms pay in a plane; below, weights would be most of the work.
+const LEAST_PIXELS: usize = 8192;
+
+/// Convolutions that follow each other.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Chain {
+    pub(super) convolutions: Arc<Convolutions>,
+    channels_out: usize,
+    /// How many they are.
+    pub(super) len: usize,
+    /// Multiply-adds of all of them for one pixel of one view.
+    pub(super) products: usize,
+}
+
+impl Eq for Chain {}
+
+/// What does them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Convolutions {
+    /// `[n, c, y, x]`
+    Plane(PlaneChain),
+    /// `[n, c, v, y, x]`
+    Volume(VolumeChain),
+}
+
+/// Puts chains in place of direct convolutions.
+pub(super) fn fuse(model: &mut TypedModel) -> TractResult<()> {
+    Rewriter::<()>::default().with_rule_for("chain", rule).rewrite(&(), model)
+}
+
+fn rule(
+    _: &(),
+    model: &TypedModel,
+    node: &TypedNode,
+    name: &str,
+    first: &DirectConv,
+) -> TractResult<Option<TypedModelPatch>> {
+    let before = model.node(node.inputs[0].node);
+    let goes_on = before.op_as::<DirectConv>().is_some_and(|op| follow(op, first));
+    let shape = model.outlet_fact(node.inputs[0])?.shape.as_concrete().unwrap_or_default();
+    if !fits(first, shape) || (goes_on && model.single_succ(before.id)?.is_some()) {
+        return Ok(None);
+    }
+    let (mut layers, mut last) = (vec![first], node);
+    while let Some(next) = model.single_succ(last.id)? {
+        let Some(op) = next.op_as::<DirectConv>().filter(|op| follow(first, op)) else { break };
+        layers.push(op);
+        last = next;
+    }
+    if layers.len() < 2 && first.kernel == Kernel::Plane {
+        return Ok(None);
+    }
+    let mut patch = TypedModelPatch::default();
+    let tap = patch.tap_model(model, node.inputs[0])?;
+    let output = patch.wire_node(format!("{name}.chain"), Chain::new(&layers), &[tap])?;
+    patch.shunt_outside(model, last.id.into(), output[0])?;
+    Ok(Some(patch))
+}
+
+/// Whether Winograd's algorithm has such a convolution and pays at this shape.
+fn fits(op: &DirectConv, shape: &[usize]) -> bool {
+    let pixels = shape.iter().rev().take(2).product::<usize>();
+    match op.kernel {
+        Kernel::Plane => PlaneChain::pays(op.channels) && pixels >= LEAST_PIXELS,
+        Kernel::Volume => op.dilation == 1,
+        Kernel::Point => false,
+    }
+}
+
+/// Whether `next` can be done together with `op`, as far as that does not depend on the shape, which they share.
+fn follow(op: &DirectConv, next: &DirectConv) -> bool {
+    let pays = |op: &DirectConv| op.kernel == Kernel::Volume || PlaneChain::pays(op.channels);
+    let alike = |op: &DirectConv| (op.isa, op.kernel, op.padding, op.kernel == Kernel::Volume && op.dilation > 1);
+    pays(op) && pays(next) && alike(op) == alike(next)
+}
+
+impl Chain {
+    fn new(ops: &[&DirectConv]) -> Self {
+        let weights: Vec<Vec<f32>> = ops.iter().map(|op| op.weights.plain()).collect();
+        let layers = ops.iter().zip(&weights).map(|(op, weights)| {
+            let DirectConv { channels, dilation, padding, activation, ref bias, .. } = **op;
+            Layer { weights, bias, channels, dilation, padding, activation }
+        });
+        let layers: Vec<Layer> = layers.collect();
+        let isa = ops[0].isa;
+        let convolutions = match ops[0].kernel {
+            Kernel::Volume => Convolutions::Volume(VolumeChain::new(&layers, isa)),
+            _ => Convolutions::Plane(PlaneChain::new(&layers, isa)),
+        };
+        let products = |op: &&DirectConv| op.channels[0] * op.channels[1] * op.kernel.taps();
+        let channels_out = ops[ops.len() - 1].channels[1];
+        Self {
+            convolutions: Arc::new(convolutions),
+            channels_out,
+            len: ops.len(),
+            products: ops.iter().map(products).sum(),
+        }
+    }
+
+    fn run(&self, input: &Tensor) -> TractResult<Tensor> {
+        let mut shape: TVec<usize> = input.shape().into();
+        ensure!(!shape.contains(&0), "an empty input, {shape:?}");
+        let one = input.len() / shape[0];
+        shape[1] = self.channels_out;
+        let mut output = op::uninitialized(&shape)?;
+        let one_out = output.len() / shape[0];
+        let cancel = op::cancel();
+        let flag = cancel.as_ref().map(Cancel::flag);
+        let inputs = input.try_as_plain_ram()?.as_slice::<f32>()?.chunks_exact(one);
+        for (x, out) in inputs.zip(op::room(&mut output)?.chunks_exact_mut(one_out)) {
+            match (&*self.convolutions, &shape[2..]) {
+                (Convolutions::Plane(chain), &[h, w]) => chain.run(x, [h, w], out, flag)?,
+                (Convolutions::Volume(chain), &[v, h, w]) => chain.run_slice(x, [v, h, w], out, flag)?,
+                _ => bail!("a convolution of {shape:?}"),
+            }
+        }
+        Ok(output)
+    }
+}
+
+impl Op for Chain {
+    fn name(&self) -> StaticName {
+        "Chain".into()
+    }
+
+    fn info(&self) -> TractResult<Vec<String>> {
+        Ok(vec![format!("{} convolutions", self.len)])
+    }
+
+    op_as_typed_op!();
+}
+
+impl EvalOp for Chain {
+    op_out_of_plan!();
+
+    fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
+        let input = args_1!(inputs);
+        Ok(tvec!(self.run(&input)?.into_tvalue()))
+    }
+}
+
+impl TypedOp for Chain {
+    fn output_facts(&self, inputs: &[&TypedFact]) -> TractResult<TVec<TypedFact>> {
+        let mut shape = inputs[0].shape.clone();
+        shape.set(1, self.channels_out.to_dim());
+        Ok(tvec!(f32::fact(shape)))
+    }
+
+    as_op!();
+}
