@@ -1,8 +1,9 @@
-//! The direct convolution, layer by layer: `cargo bench --bench kernel`. Items are multiply-adds × 2, so divan's items
-//! per second are FLOP/s.
+//! The convolutions, layer by layer and in chains: `cargo bench --bench kernel`. Items are the multiply-adds × 2 of the
+//! plain sum, so divan's items per second are useful FLOP/s, whatever algorithm does them.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use plenoscope::kernel::winograd::{Layer, PlaneChain, VolumeChain};
 use plenoscope::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Padding};
 
 fn main() {
@@ -51,6 +52,25 @@ fn avx512(bencher: Bencher, layer: usize) {
 #[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
 fn avx2(bencher: Bencher, layer: usize) {
     forward(bencher, layer, Isa::avx2());
+}
+
+/// One layer by Winograd's algorithm, where it pays.
+#[divan::bench(args = 1..LAYERS.len(), sample_count = 10)]
+fn winograd(bencher: Bencher, layer: usize) {
+    let shape = shape(layer);
+    let channels = [shape.channels_in, shape.channels_out];
+    let (weights, bias, x) = (numbers(shape.weights_len()), numbers(channels[1]), numbers(shape.input_len()));
+    let ConvShape { views, height, width, dilation, padding, .. } = shape;
+    let layer = Layer { weights: &weights, bias: &bias, channels, dilation, padding, activation: Activation::Elu };
+    let mut out: Vec<_> = std::iter::repeat_with(std::mem::MaybeUninit::uninit).take(shape.output_len()).collect();
+    let bencher = bencher.counter(ItemsCount::new(shape.flop() as usize));
+    if shape.kernel == Kernel::Volume {
+        let chain = VolumeChain::new(&[layer], Isa::best());
+        bencher.bench_local(|| chain.run_slice(&x, [views, height, width], &mut out, None));
+    } else if PlaneChain::pays(channels) {
+        let chain = PlaneChain::new(&[layer], Isa::best());
+        bencher.bench_local(|| chain.run(&x, [height, width], &mut out, None));
+    }
 }
 
 #[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]

@@ -37,12 +37,16 @@
 //! [`Isa`] picks AVX-512, AVX2 + FMA or plain Rust at run time. The same generic code (`vector::Vector`) is compiled for
 //! each; sums are ordered differently, so results differ in the last bits.
 //!
+//! [`winograd`] does chains of convolutions with a half or a quarter of the products; the trainer keeps to the direct one,
+//! whose gradients are exact.
+//!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
 //!
 //! Parallel over blocks of rows on the current rayon pool; a cancel flag is looked at before each block.
 
 #![allow(unsafe_code, reason = "SIMD intrinsics and writing disjoint rows of one buffer from several threads")]
 
+pub mod background;
 pub mod blocks;
 mod conv;
 mod driver;

@@ -115,9 +115,9 @@ macro_rules! entry_points {
         }
 
         $(#[target_feature(enable = $features)])?
-        pub(in crate::kernel) unsafe fn winograd_views(views: [*const f32; 6], to: *mut f32, step: usize, len: usize) {
+        pub(in crate::kernel) unsafe fn winograd_views(input: &volume_tile::VolumeInput) {
             // SAFETY: the caller's word.
-            unsafe { volume_tile::transform_views::<$vector>(views, to, step, len) }
+            unsafe { volume_tile::transform::<$vector>(input) }
         }
 
         $(#[target_feature(enable = $features)])?

@@ -111,6 +111,7 @@ impl<R: Send + 'static> Worker<R> {
         let shared = Arc::new(Shared { inner: Mutex::new(inner), wake: Condvar::new() });
         let theirs = Arc::clone(&shared);
         let started = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+            crate::kernel::background::step_back();
             while let Some((job, request, cancel)) = next(&theirs) {
                 // A bug in one job must not take the window down.
                 let done = catch_unwind(AssertUnwindSafe(|| work(job, request, &cancel, &outbox)));

@@ -85,7 +85,8 @@ pub(in crate::kernel) unsafe fn run<V: Vector>(tiles: &Tiles, scratch: *mut f32)
 #[inline(always)]
 unsafe fn transform_input<V: Vector>(tiles: &Tiles, origin: [u32; 2], to: *mut f32, step: usize) {
     let pixel = |i: usize, j: usize| {
-        let [y, x] = [(0, i), (1, j)].map(|(axis, i)| origin[axis] as isize + (i as isize - 1) * tiles.dilation as isize);
+        let [y, x] =
+            [(0, i), (1, j)].map(|(axis, i)| origin[axis] as isize + (i as isize - 1) * tiles.dilation as isize);
         let inside = [(0, y), (1, x)].map(|(axis, at)| at.clamp(0, tiles.size[axis] as isize - 1));
         if inside != [y, x] && !tiles.outside.is_null() {
             return tiles.outside;
@@ -124,7 +125,13 @@ unsafe fn transform_input<V: Vector>(tiles: &Tiles, origin: [u32; 2], to: *mut f
 
 /// Sums over the input channels for [`TOGETHER`] tiles of one component.
 #[inline(always)]
-unsafe fn multiply<V: Vector>([c_in, c_out]: [usize; 2], rows: usize, inputs: *const f32, weights: *const f32, to: *mut f32) {
+unsafe fn multiply<V: Vector>(
+    [c_in, c_out]: [usize; 2],
+    rows: usize,
+    inputs: *const f32,
+    weights: *const f32,
+    to: *mut f32,
+) {
     let group_vectors = GROUP / V::LANES;
     let groups = c_out / GROUP;
     // SAFETY: the caller's word.

@@ -1,9 +1,10 @@
 //! Consecutive 3×3×3 convolutions over (views, rows, columns) by Winograd's F(4, 3) along the views.
 //!
 //! All layers go down the picture together: a few rows of the input are asked for, and each layer makes the rows that
-//! the rows above it allow. Of each layer's result only the rows that the next one still reads are kept, transformed.
+//! the rows above it allow. Of each layer's result only the rows that the next one still reads are kept.
 //! Wide pictures are cut into columns, so that all this stays in cache; memory does not follow the picture's height.
 
+use std::cell::RefCell;
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 
 use super::Layer;
 use super::transform::{POINTS, RESULTS, of_weights};
-use super::volume_tile::VolumeTile;
+use super::volume_tile::{TILE_PIXELS, TILE_STEP, VolumeInput, VolumeTile};
 use crate::job::Cancelled;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::pack::BLOCK;
@@ -23,11 +24,14 @@ use crate::kernel::tile::Activation;
 /// Values in front of each row: room for the left margin, rows stay aligned.
 const MARGIN: usize = 16;
 /// Memory that the kept rows of all layers may take.
-const CACHE_BYTES: usize = 16 << 20;
-/// Columns of the widest tile: pieces are a multiple of it.
-const TILE_COLUMNS: usize = 48;
-/// Pixels of a row that are worth a round of all threads.
-const ROUND_PIXELS: usize = 512;
+const CACHE_BYTES: usize = 8 << 20;
+/// Rows that each layer makes in a round of all threads.
+const ROWS: usize = 4;
+
+thread_local! {
+    /// A thread's transformed tile.
+    static SCRATCH: RefCell<Vec<f32>> = const { RefCell::new(Vec::new()) };
+}
 
 /// 3×3×3 convolutions that follow each other, weights transformed.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,8 +65,7 @@ pub struct Columns {
 
 /// Some rows of the result, all channels and views, at some columns of the picture.
 pub struct Rows<'a> {
-    values: &'a [f32],
-    steps: Steps,
+    ring: &'a Ring,
     /// Rows of the picture.
     pub y: Range<usize>,
     /// Columns of the picture.
@@ -74,26 +77,8 @@ pub struct Rows<'a> {
 impl Rows<'_> {
     /// Values of one channel of one view at row `y` of the picture, for the columns [`x`](Self::x).
     pub fn row(&self, view: usize, channel: usize, y: usize) -> &[f32] {
-        let row = self.steps.raw(y - self.y.start, view) + channel * self.steps.channel;
-        &self.values[row + MARGIN + self.x.start - self.first_x..][..self.x.len()]
-    }
-}
-
-/// Where things lie while a piece of the picture is computed.
-#[derive(Clone, Copy)]
-struct Steps {
-    /// Values from one channel to the next.
-    channel: usize,
-    /// Channels of the widest layer.
-    most: usize,
-    /// Views, and one of zeros.
-    views: usize,
-}
-
-impl Steps {
-    /// Where a view's row begins in the untransformed rows.
-    fn raw(&self, row: usize, view: usize) -> usize {
-        (row * self.views + view) * self.most * self.channel
+        let row = self.ring.at(Some(view), Some(y)) + channel * self.ring.step;
+        &self.ring.values[row + MARGIN + self.x.start - self.first_x..][..self.x.len()]
     }
 }
 
@@ -167,8 +152,8 @@ impl VolumeChain {
     /// Columns whose kept rows fit into [`CACHE_BYTES`].
     pub(super) fn widest_piece(&self, views: usize) -> usize {
         let channels: usize = self.layers.iter().map(|layer| layer.channels[0]).sum();
-        let column = channels * views.div_ceil(RESULTS) * POINTS * 3 * size_of::<f32>();
-        (CACHE_BYTES / column / TILE_COLUMNS * TILE_COLUMNS).max(2 * TILE_COLUMNS + 4 * self.layers.len())
+        let column = channels * views * (ROWS + 2) * size_of::<f32>();
+        (CACHE_BYTES / column / TILE_PIXELS * TILE_PIXELS).max(2 * TILE_PIXELS + 4 * self.layers.len())
     }
 }
 
@@ -179,7 +164,7 @@ pub(super) fn pieces(width: usize, widest: usize, halo: usize) -> Vec<(Range<usi
     }
     let count = (width - 2 * halo).div_ceil(widest - 2 * halo);
     // All pieces are equally wide, in whole tiles.
-    let piece = ((width - 2 * halo).div_ceil(count) + 2 * halo).next_multiple_of(TILE_COLUMNS).min(widest);
+    let piece = ((width - 2 * halo).div_ceil(count) + 2 * halo).next_multiple_of(TILE_PIXELS).min(widest);
     let step = piece - 2 * halo;
     (0..count)
         .map(|i| {
@@ -212,14 +197,53 @@ impl Ready {
         bias.resize(c_out.next_multiple_of(BLOCK), 0.0);
         Self { weights, bias, channels: [c_in, c_out], activation }
     }
+
+    /// The weights of the `block`-th group of 8 channels.
+    fn block(&self, block: usize) -> &[f32] {
+        let len = POINTS * self.channels[0] * 9 * BLOCK;
+        &self.weights[block * len..][..len]
+    }
 }
 
-/// The transformed rows of one layer's input that are still read, `[slot][component][c][x]`, and a slot of zeros.
+/// The rows of one layer's input that are still read, `[slot][view][c][x]`; a view of zeros and a slot of zeros.
 struct Ring {
     values: Vec<f32>,
     slots: usize,
-    slot_step: usize,
-    component_step: usize,
+    views: usize,
+    channels: usize,
+    /// Values from one channel to the next.
+    step: usize,
+}
+
+impl Ring {
+    fn new(slots: usize, views: usize, channels: usize, step: usize) -> Self {
+        Self { values: vec![0.0; (slots + 1) * (views + 1) * channels * step + MARGIN], slots, views, channels, step }
+    }
+
+    /// Where the channels of a view's row begin; outside of the picture `None`, all zeros.
+    fn at(&self, view: Option<usize>, y: Option<usize>) -> usize {
+        let slot = y.map_or(self.slots, |y| y % self.slots);
+        (slot * (self.views + 1) + view.unwrap_or(self.views)) * self.view_step()
+    }
+
+    fn view_step(&self) -> usize {
+        self.channels * self.step
+    }
+}
+
+/// Gives the rows of some channels their left and right margin.
+fn close(rows: &mut [f32], step: usize, width: usize, padding: Padding) {
+    for row in rows.chunks_exact_mut(step) {
+        let ends = [row[MARGIN], row[MARGIN + width - 1]];
+        let [left, right] = if padding == Padding::Edge { ends } else { [0.0; 2] };
+        (row[MARGIN - 1], row[MARGIN + width]) = (left, right);
+    }
+}
+
+/// The place inside `0 .. size` that stands at `at`; `None` where zeros do.
+fn inside(at: isize, size: usize, padding: Padding) -> Option<usize> {
+    let inside = at.clamp(0, size as isize - 1);
+    (inside == at || padding == Padding::Edge).then_some(inside as usize)
 }
 
 /// One pass down a piece of the picture.
@@ -231,10 +255,8 @@ struct Pass<'a> {
     keep: Range<usize>,
     /// Rows that each layer makes in a round.
     rows: usize,
-    steps: Steps,
+    /// The input of each layer, and the result of the last.
     rings: Vec<Ring>,
-    /// Rows of one layer's result, not transformed: `[row][view][c][x]`.
-    raw: Vec<f32>,
     cancel: Option<&'a AtomicBool>,
 }
 
@@ -246,24 +268,19 @@ impl<'a> Pass<'a> {
         keep: Range<usize>,
         cancel: Option<&'a AtomicBool>,
     ) -> Self {
-        let width = piece.len();
         // An odd number of cache lines, lest the channels' rows fall into one set of the cache.
-        let channel = (width.next_multiple_of(16) / 16 + 2) / 2 * 32 + 16;
-        let most = chain.layers.iter().flat_map(|layer| layer.channels).max().unwrap_or(1);
-        let steps = Steps { channel, most, views: size[0] + 1 };
-        let rows = ROUND_PIXELS.div_ceil(width).min(8);
-        let components = size[0].div_ceil(RESULTS) * POINTS;
-        let ring = |layer: &Ready| {
-            let (slots, component_step) = (rows + 2, layer.channels[0] * channel);
-            let slot_step = components * component_step;
-            Ring { values: vec![0.0; (slots + 1) * slot_step + 64], slots, slot_step, component_step }
-        };
-        let rings = chain.layers.iter().map(ring).collect();
-        let raw = vec![0.0; steps.raw(rows, 0)];
-        Self { chain, size, piece, keep, rows, steps, rings, raw, cancel }
+        let step = (piece.len().next_multiple_of(16) / 16 + 2) / 2 * 32 + 16;
+        let ring = |channels: usize| Ring::new(ROWS + 2, size[0], channels, step);
+        let inputs = chain.layers.iter().map(|layer| layer.channels[0]);
+        let rings = inputs.chain([chain.channels()[1]]).map(ring).collect();
+        Self { chain, size, piece, keep, rows: ROWS, rings, cancel }
     }
 
-    fn run(&mut self, fill: &(impl Fn(Columns, &mut [f32], usize) + Sync), take: &mut impl FnMut(Rows)) -> Result<(), Cancelled> {
+    fn run(
+        &mut self,
+        fill: &(impl Fn(Columns, &mut [f32], usize) + Sync),
+        take: &mut impl FnMut(Rows),
+    ) -> Result<(), Cancelled> {
         let (layers, height, rows) = (self.chain.layers.len(), self.size[1], self.rows);
         for round in 0..(height + layers).div_ceil(rows) {
             // The rows that the `layer`-th result (0: the input) gets in this round.
@@ -272,137 +289,130 @@ impl<'a> Pass<'a> {
                 (round * rows).saturating_sub(layer).min(end)..end
             };
             self.fill(of(0), fill);
-            self.keep_for(0, of(0));
             for layer in 0..layers {
-                if self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-                    return Err(Cancelled);
-                }
                 self.convolve(layer, of(layer + 1));
-                if layer + 1 < layers {
-                    self.keep_for(layer + 1, of(layer + 1));
+                if self.stopped() {
+                    return Err(Cancelled);
                 }
             }
             let y = of(layers);
             if !y.is_empty() {
-                take(Rows { values: &self.raw, steps: self.steps, y, x: self.keep.clone(), first_x: self.piece.start });
+                take(Rows { ring: &self.rings[layers], y, x: self.keep.clone(), first_x: self.piece.start });
             }
         }
         Ok(())
     }
 
+    fn stopped(&self) -> bool {
+        self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
     /// Asks for rows of the input.
     fn fill(&mut self, rows: Range<usize>, fill: &(impl Fn(Columns, &mut [f32], usize) + Sync)) {
-        let (views, step, len) = (self.size[0], self.steps.channel, self.steps.most * self.steps.channel);
-        let x = self.piece.clone();
-        self.raw.par_chunks_exact_mut(len).enumerate().for_each(|(i, values)| {
-            let (row, view) = (i / (views + 1), i % (views + 1));
-            if row < rows.len() && view < views {
-                fill(Columns { view, y: rows.start + row, x: x.clone() }, &mut values[MARGIN..], step);
+        let (x, padding, ring) = (self.piece.clone(), self.chain.padding, &mut self.rings[0]);
+        let (views, slots, step, len) = (ring.views, ring.slots, ring.step, ring.view_step());
+        ring.values.par_chunks_exact_mut(len).enumerate().for_each(|(i, values)| {
+            let (slot, view) = (i / (views + 1), i % (views + 1));
+            let y = rows.clone().find(|y| y % slots == slot).filter(|_| slot < slots && view < views);
+            if let Some(y) = y {
+                fill(Columns { view, y, x: x.clone() }, &mut values[MARGIN..], step);
+                close(values, step, x.len(), padding);
             }
         });
     }
 
-    /// Transforms untransformed rows into the ring of `layer`'s inputs, with their margins.
-    fn keep_for(&mut self, layer: usize, rows: Range<usize>) {
-        let (isa, padding, views, width) = (self.chain.isa, self.chain.padding, self.size[0], self.piece.len());
-        let (steps, raw, ring) = (self.steps, &self.raw[..], &mut self.rings[layer]);
-        let (slots, component_step) = (ring.slots, ring.component_step);
-        let first = SendPtr(ring.values.as_mut_ptr());
-        let groups = views.div_ceil(RESULTS);
-        let slot_step = ring.slot_step;
-        (0..rows.len() * groups).into_par_iter().with_min_len(4).for_each(|task| {
-            let (row, group) = (task % rows.len(), task / rows.len());
-            let view = |i: usize| {
-                let at = (group * RESULTS + i) as isize - 1;
-                let inside = at.clamp(0, views as isize - 1);
-                let outside = inside != at && padding == Padding::Zero;
-                raw[steps.raw(row, if outside { views } else { inside as usize })..].as_ptr()
-            };
-            let at = (rows.start + row) % slots * slot_step + group * POINTS * component_step;
-            // SAFETY: this row and group of the ring are this task's alone.
-            let to = unsafe { std::slice::from_raw_parts_mut(first.at(at), POINTS * component_step) };
-            let neighbours = [0, 1, 2, 3, 4, 5].map(view);
-            on_isa!(isa, winograd_views(neighbours, to.as_mut_ptr(), component_step, component_step));
-            for row in to.chunks_exact_mut(steps.channel) {
-                let (left, right) = (row[MARGIN], row[MARGIN + width - 1]);
-                let edge = padding == Padding::Edge;
-                row[MARGIN - 1] = if edge { left } else { 0.0 };
-                row[MARGIN + width] = if edge { right } else { 0.0 };
-            }
-        });
-    }
-
-    /// Makes rows of one layer's result, untransformed.
+    /// Makes rows of one layer's result.
     fn convolve(&mut self, layer: usize, rows: Range<usize>) {
-        let ready = &self.chain.layers[layer];
-        let (ring, steps) = (&self.rings[layer], self.steps);
-        let (isa, padding, [views, height, _]) = (self.chain.isa, self.chain.padding, self.size);
-        let width = self.piece.len();
-        let groups = views.div_ceil(RESULTS);
-        let out = SendPtr(self.raw.as_mut_ptr());
-        let slot = |y: usize, tap: usize| {
-            let at = y as isize + tap as isize - 1;
-            let inside = at.clamp(0, height as isize - 1);
-            let outside = inside != at && padding == Padding::Zero;
-            if outside { ring.slots } else { inside as usize % ring.slots }
+        let (before, after) = self.rings.split_at_mut(layer + 1);
+        let (ring, out) = (&before[layer], &mut after[0]);
+        let task = Task {
+            ready: &self.chain.layers[layer],
+            isa: self.chain.isa,
+            padding: self.chain.padding,
+            ring,
+            rows: rows.clone(),
+            size: self.size,
+            width: self.piece.len(),
         };
+        let out_values = SendPtr(out.values.as_mut_ptr());
+        let out: &Ring = out;
         let stopped = || self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        // The rows of a group follow each other on one thread: they read nearly the same.
-        (0..rows.len() * groups).into_par_iter().with_max_len(1).for_each(|task| {
-            let (row, group) = (task % rows.len(), task / rows.len());
-            if stopped() {
-                return;
+        (0..self.size[0].div_ceil(RESULTS)).into_par_iter().with_max_len(1).for_each(|group| {
+            if !stopped() && !rows.is_empty() {
+                SCRATCH.with_borrow_mut(|scratch| task.run(group, out, out_values, scratch));
             }
-            let taps = std::array::from_fn(|tap| slot(rows.start + row, tap / 3) * ring.slot_step + tap % 3);
-            let x = &ring.values[group * POINTS * ring.component_step + MARGIN - 1..];
-            // SAFETY: these views of this row are this task's alone.
-            let out = unsafe { out.at(steps.raw(row, group * RESULTS) + MARGIN) };
-            ready.row(isa, x, &taps, ring.component_step, (views - group * RESULTS).min(RESULTS), width, out, steps);
         });
     }
 }
 
-impl Ready {
-    /// One row of up to four views.
-    #[allow(clippy::too_many_arguments, reason = "the ends of two buffers")]
-    fn row(
-        &self,
-        isa: Isa,
-        x: &[f32],
-        taps: &[usize; 9],
-        component_step: usize,
-        views: usize,
-        width: usize,
-        out: *mut f32,
-        steps: Steps,
-    ) {
-        let (lanes, [channels_in, channels_out]) = (isa.lanes(), self.channels);
-        let vectors = width.div_ceil(lanes);
-        let per_tile = vectors.div_ceil(vectors.div_ceil(3));
-        let block_len = POINTS * channels_in * 9 * BLOCK;
-        for first in (0..vectors).step_by(per_tile) {
-            let at = first * lanes;
-            for block in 0..channels_out.div_ceil(BLOCK) {
-                let tile = VolumeTile {
-                    x: x[at..].as_ptr(),
-                    next: x.as_ptr().wrapping_add(at + per_tile * lanes),
-                    channels_in,
-                    channel_step: steps.channel,
-                    component_step,
-                    taps,
-                    weights: self.weights[block * block_len..].as_ptr(),
-                    bias: self.bias[block * BLOCK..].as_ptr(),
-                    // SAFETY: the result has this channel and these columns.
-                    out: unsafe { out.add(block * BLOCK * steps.channel + at) },
-                    view_step: steps.most * steps.channel,
-                    channels_out: (channels_out - block * BLOCK).min(BLOCK),
-                    views,
-                    vectors: per_tile.min(vectors - first),
-                    width: width - at,
-                    activation: self.activation,
-                };
-                on_isa!(isa, winograd_volume(&tile));
+/// Some rows of one layer's result.
+struct Task<'a> {
+    ready: &'a Ready,
+    isa: Isa,
+    padding: Padding,
+    ring: &'a Ring,
+    rows: Range<usize>,
+    size: [usize; 3],
+    width: usize,
+}
+
+impl Task<'_> {
+    /// Four neighbouring views. `out` says where they lie in `values`.
+    fn run(&self, group: usize, out: &Ring, values: SendPtr, scratch: &mut Vec<f32>) {
+        let [channels_in, channels_out] = self.ready.channels;
+        let (step, views) = (self.ring.step, group * RESULTS..((group + 1) * RESULTS).min(self.size[0]));
+        let channel_step = (self.rows.len() + 2) * TILE_STEP;
+        scratch.resize(scratch.len().max(POINTS * channels_in * channel_step + TILE_STEP), 0.0);
+        let sources: Vec<[usize; POINTS]> = (0..self.rows.len() + 2).map(|row| self.sources(group, row)).collect();
+        let tiles = self.width.div_ceil(TILE_PIXELS);
+        // Whole vectors, about equally many in each tile.
+        let pixels = self.width.div_ceil(tiles).next_multiple_of(16);
+        for x in (0..self.width).step_by(pixels) {
+            let pixels = pixels.min(self.width - x);
+            let place = |at: usize| self.ring.values[at + MARGIN - 1 + x..].as_ptr();
+            let mut rows = [[std::ptr::null(); POINTS]; ROWS + 2];
+            rows.iter_mut().zip(&sources).for_each(|(row, views)| *row = views.map(place));
+            let (rows, to) = (&rows[..sources.len()], scratch.as_mut_ptr());
+            let input = VolumeInput { rows, channels: channels_in, channel_step: step, pixels, to };
+            on_isa!(self.isa, winograd_views(&input));
+            for (row, y) in self.rows.clone().enumerate() {
+                for block in 0..channels_out.div_ceil(BLOCK) {
+                    let to = out.at(Some(views.start), Some(y)) + block * BLOCK * step + MARGIN + x;
+                    let tile = VolumeTile {
+                        x: scratch[row * TILE_STEP..].as_ptr(),
+                        channels_in,
+                        channel_step,
+                        weights: self.ready.block(block).as_ptr(),
+                        bias: self.ready.bias[block * BLOCK..].as_ptr(),
+                        // SAFETY: these rows of these views are this task's alone.
+                        out: unsafe { values.at(to) },
+                        out_step: step,
+                        view_step: out.view_step(),
+                        channels_out: (channels_out - block * BLOCK).min(BLOCK),
+                        views: views.len(),
+                        pixels,
+                        activation: self.ready.activation,
+                    };
+                    on_isa!(self.isa, winograd_volume(&tile));
+                }
             }
         }
+        for (view, y) in views.flat_map(|view| self.rows.clone().map(move |y| (view, y))) {
+            // SAFETY: as above.
+            let rows = unsafe {
+                let first = values.at(out.at(Some(view), Some(y)));
+                std::slice::from_raw_parts_mut(first, out.view_step())
+            };
+            close(rows, step, self.width, self.padding);
+        }
+    }
+
+    /// Where the six views around a group begin in one row, counted from the one above the first.
+    fn sources(&self, group: usize, row: usize) -> [usize; POINTS] {
+        let y = inside((self.rows.start + row) as isize - 1, self.size[1], self.padding);
+        [0, 1, 2, 3, 4, 5].map(|i| {
+            let view = inside((group * RESULTS + i) as isize - 1, self.size[0], self.padding);
+            self.ring.at(view, y)
+        })
     }
 }

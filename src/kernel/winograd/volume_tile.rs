@@ -10,35 +10,47 @@ use crate::kernel::pack::BLOCK;
 use crate::kernel::tile::{Activation, activate};
 use crate::kernel::vector::Vector;
 
-/// One tile.
-pub(in crate::kernel) struct VolumeTile<'a> {
-    /// Transformed input at the first pixel, first component, channel 0, left tap.
-    pub(super) x: *const f32,
-    /// The same of the tile that comes next.
-    pub(super) next: *const f32,
-    pub(super) channels_in: usize,
-    /// Values between channels, in input and result.
+/// Values of a row of the transformed tile: pixels, one more on either side, whole vectors.
+pub(super) const TILE_STEP: usize = 64;
+/// Pixels of the widest tile.
+pub(super) const TILE_PIXELS: usize = 48;
+
+/// Rows of a tile's input that are to be transformed.
+pub(in crate::kernel) struct VolumeInput<'a> {
+    /// For each row and each of six views: channel 0 one pixel left of the tile.
+    pub(super) rows: &'a [[*const f32; POINTS]],
+    pub(super) channels: usize,
+    /// Values between channels.
     pub(super) channel_step: usize,
-    /// Values between components of the input.
-    pub(super) component_step: usize,
-    /// Offsets of the 3×3 taps.
-    pub(super) taps: &'a [usize; 9],
+    /// Pixels of the tile, at most [`TILE_PIXELS`].
+    pub(super) pixels: usize,
+    /// `[component][c][row]` of [`TILE_STEP`] values.
+    pub(super) to: *mut f32,
+}
+
+/// One tile of one row.
+pub(in crate::kernel) struct VolumeTile {
+    /// Transformed input, first component, channel 0, the row above, one pixel left of the tile.
+    pub(super) x: *const f32,
+    pub(super) channels_in: usize,
+    /// Values between channels of the input.
+    pub(super) channel_step: usize,
     /// Weights of this block of channels, `[component][c_in][tap][8]`.
     pub(super) weights: *const f32,
     /// Bias of this block of channels, 8 values.
     pub(super) bias: *const f32,
     /// Result at the first pixel, first view, first channel of the block.
     pub(super) out: *mut f32,
+    /// Values between channels of the result.
+    pub(super) out_step: usize,
     /// Values between views of the result.
     pub(super) view_step: usize,
     /// Channels of this block that exist, 1 … 8.
     pub(super) channels_out: usize,
     /// Views that exist, 1 … 4.
     pub(super) views: usize,
-    /// Vectors of this tile.
-    pub(super) vectors: usize,
-    /// Pixels of the row from the first one on.
-    pub(super) width: usize,
+    /// Pixels of the tile, at most [`TILE_PIXELS`].
+    pub(super) pixels: usize,
     pub(super) activation: Activation,
 }
 
@@ -50,35 +62,37 @@ pub(in crate::kernel) struct VolumeTile<'a> {
 pub(in crate::kernel) unsafe fn run<V: Vector>(tile: &VolumeTile) {
     // SAFETY: the caller's word.
     unsafe {
-        match (V::LANES >= 16, tile.channels_out <= 4) {
-            (true, false) => match tile.vectors {
-                1 => compute::<V, 8, 1>(tile, 0),
-                2 => compute::<V, 8, 2>(tile, 0),
-                _ => compute::<V, 8, 3>(tile, 0),
-            },
-            (_, few) => {
-                for half in 0..if few { 1 } else { 2 } {
-                    match tile.vectors {
-                        1 => compute::<V, 4, 1>(tile, 4 * half),
-                        2 => compute::<V, 4, 2>(tile, 4 * half),
-                        _ => compute::<V, 4, 3>(tile, 4 * half),
-                    }
+        for first in (0..tile.pixels).step_by(3 * V::LANES) {
+            let vectors = (tile.pixels - first).div_ceil(V::LANES);
+            if V::LANES >= 16 && tile.channels_out > 4 {
+                match vectors {
+                    1 => compute::<V, 8, 1>(tile, 0, first),
+                    2 => compute::<V, 8, 2>(tile, 0, first),
+                    _ => compute::<V, 8, 3>(tile, 0, first),
+                }
+                continue;
+            }
+            for channel in (0..tile.channels_out).step_by(4) {
+                match vectors {
+                    1 => compute::<V, 4, 1>(tile, channel, first),
+                    2 => compute::<V, 4, 2>(tile, channel, first),
+                    _ => compute::<V, 4, 3>(tile, channel, first),
                 }
             }
         }
     }
 }
 
-/// `OC` channels from `first` on, `N` vectors.
+/// `OC` channels from `first` on, `N` vectors of pixels from `pixel` on.
 #[inline(always)]
-unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &VolumeTile, first: usize) {
+unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &VolumeTile, first: usize, pixel: usize) {
     // SAFETY: the caller's word.
     unsafe {
         let mut sums = [[[V::splat(0.0); N]; OC]; POINTS];
         for (component, kept) in sums.iter_mut().enumerate() {
-            let x = tile.x.add(component * tile.component_step);
-            let next = if component + 1 < POINTS { x.wrapping_add(tile.component_step) } else { tile.next };
-            *kept = accumulate::<V, OC, N>(tile, x, component, first, next);
+            let x = tile.x.add(component * tile.channels_in * tile.channel_step + pixel);
+            let weights = tile.weights.add(component * tile.channels_in * 9 * BLOCK + first);
+            *kept = accumulate::<V, OC, N>(tile, x, weights);
         }
         for o in 0..OC.min(tile.channels_out - first) {
             let bias = V::splat(*tile.bias.add(first + o));
@@ -88,10 +102,11 @@ unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &VolumeTile,
                     results[component] = sums[component][o][n];
                 }
                 let results = of_sums(results);
-                let left = tile.width - (n * V::LANES).min(tile.width);
+                let at = pixel + n * V::LANES;
+                let left = tile.pixels - at.min(tile.pixels);
                 for view in 0..RESULTS.min(tile.views) {
                     let value = activate(results[view].add(bias), tile.activation);
-                    let out = tile.out.add(view * tile.view_step + (first + o) * tile.channel_step + n * V::LANES);
+                    let out = tile.out.add(view * tile.view_step + (first + o) * tile.out_step + at);
                     if left >= V::LANES { value.store(out) } else { value.store_first(out, left) }
                 }
             }
@@ -99,35 +114,36 @@ unsafe fn compute<V: Vector, const OC: usize, const N: usize>(tile: &VolumeTile,
     }
 }
 
-/// Σ over channels and taps of weight · input in one component. Meanwhile the input from `next` on is fetched, little
-/// by little: all at once would fill the queue that the loads go through.
+/// Σ over channels and taps of weight · input in one component. Meanwhile the next component is fetched, little by
+/// little: all at once would fill the queue that the loads go through.
 #[inline(always)]
 unsafe fn accumulate<V: Vector, const OC: usize, const N: usize>(
     tile: &VolumeTile,
     x: *const f32,
-    component: usize,
-    first: usize,
-    next: *const f32,
+    mut weights: *const f32,
 ) -> [[V; N]; OC] {
+    let next = x.wrapping_add(tile.channels_in * tile.channel_step);
     // SAFETY: the caller's word.
     unsafe {
         let mut sums = [[V::splat(0.0); N]; OC];
-        let mut weights = tile.weights.add(component * tile.channels_in * 9 * BLOCK + first);
         for channel in 0..tile.channels_in {
-            let at = channel * tile.channel_step;
-            for (i, &tap) in tile.taps.iter().enumerate() {
-                prefetch(next.wrapping_add(at + tap + i % 3 * 16));
-                let mut pixels = [V::splat(0.0); N];
-                for n in 0..N {
-                    pixels[n] = V::load(x.add(at + tap + n * V::LANES));
-                }
-                for (o, sums) in sums.iter_mut().enumerate() {
-                    let weight = V::splat(*weights.add(o));
+            for row in 0..3 {
+                let at = channel * tile.channel_step + row * TILE_STEP;
+                prefetch(next.wrapping_add(at + 48));
+                for column in 0..3 {
+                    prefetch(next.wrapping_add(at + column * 16));
+                    let mut pixels = [V::splat(0.0); N];
                     for n in 0..N {
-                        sums[n] = pixels[n].mul_add(weight, sums[n]);
+                        pixels[n] = V::load(x.add(at + column + n * V::LANES));
                     }
+                    for (o, sums) in sums.iter_mut().enumerate() {
+                        let weight = V::splat(*weights.add(o));
+                        for n in 0..N {
+                            sums[n] = pixels[n].mul_add(weight, sums[n]);
+                        }
+                    }
+                    weights = weights.add(BLOCK);
                 }
-                weights = weights.add(BLOCK);
             }
         }
         sums
@@ -146,27 +162,44 @@ fn prefetch(at: *const f32) {
     let _ = at;
 }
 
-/// Transforms six neighbouring views of `len` values (a multiple of 16) each into six components, `step` values apart.
+/// Asks for the line at `at`, which the next tile reads, to wait in the second-level cache.
+#[inline(always)]
+fn fetch_next(at: *const f32) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch of any address is harmless, and every x86-64 has it.
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T1 }>(at.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = at;
+}
+
+/// Transforms six neighbouring views into six components.
 ///
 /// # Safety
-/// The pointers are good for that; the processor has the instructions of `V`.
+/// The pointers are good for the pixels, one more on either side, and the rest of the last vector; the processor has
+/// the instructions of `V`.
 #[inline(always)]
-pub(in crate::kernel) unsafe fn transform_views<V: Vector>(
-    views: [*const f32; POINTS],
-    to: *mut f32,
-    step: usize,
-    len: usize,
-) {
+pub(in crate::kernel) unsafe fn transform<V: Vector>(input: &VolumeInput) {
+    let vectors = (input.pixels + 2).div_ceil(V::LANES);
+    let component_step = input.channels * input.rows.len() * TILE_STEP;
     // SAFETY: the caller's word.
     unsafe {
-        for i in (0..len).step_by(V::LANES) {
-            let mut values = [V::splat(0.0); POINTS];
-            for view in 0..POINTS {
-                values[view] = V::load(views[view].add(i));
-            }
-            let components = of_input(values);
-            for component in 0..POINTS {
-                components[component].store(to.add(component * step + i));
+        for channel in 0..input.channels {
+            for (row, views) in input.rows.iter().enumerate() {
+                let to = input.to.add((channel * input.rows.len() + row) * TILE_STEP);
+                for n in 0..vectors {
+                    let mut values = [V::splat(0.0); POINTS];
+                    for view in 0..POINTS {
+                        let at = views[view].add(channel * input.channel_step + n * V::LANES);
+                        fetch_next(at.wrapping_add(input.pixels));
+                        values[view] = V::load(at);
+                    }
+                    let components = of_input(values);
+                    for component in 0..POINTS {
+                        components[component].store(to.add(component * component_step + n * V::LANES));
+                    }
+                }
             }
         }
     }
