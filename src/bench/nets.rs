@@ -96,13 +96,7 @@ impl Nets {
 
     /// The warp straight into an occlusion net that goes down the picture row by row. The warp's seconds are those of
     /// all threads by their number.
-    fn stream(
-        &self,
-        chain: &VolumeChain,
-        maps: &Output,
-        seconds: &mut Seconds,
-        job: &Job,
-    ) -> Result<(), Cancelled> {
+    fn stream(&self, chain: &VolumeChain, maps: &Output, seconds: &mut Seconds, job: &Job) -> Result<(), Cancelled> {
         let [width, height] = self.size;
         let nanos = AtomicU64::new(0);
         let fill = |at: Columns, rows: &mut [f32], step: usize| {
@@ -114,7 +108,9 @@ impl Nets {
             nanos.fetch_add((took * 1e9) as u64, Ordering::Relaxed);
         };
         let size = [self.grid.count(), height, width];
-        let (took, done) = timed(|| chain.run(size, fill, |rows| _ = black_box(rows.row(0, 0, rows.y.start)[0]), Some(job.cancel.flag())));
+        let (took, done) = timed(|| {
+            chain.run(size, fill, |rows| _ = black_box(rows.row(0, 0, rows.y.start)[0]), Some(job.cancel.flag()))
+        });
         seconds.warp = nanos.into_inner() as f64 / 1e9 / rayon::current_num_threads() as f64;
         seconds.occlusion = took - seconds.warp;
         done

@@ -160,7 +160,9 @@ fn strip_input(photo: &Signed, depths: &RayDepths, first: usize, rows: usize) ->
     planes.zip(disparity.par_chunks_exact_mut(w)).enumerate().for_each(|(row, (((r, g), b), d))| {
         let (view, y) = (grid.view_from_layer(row / rows), first + row % rows);
         d.copy_from_slice(&depths.view(view)[y * w..(y + 1) * w]);
-        render_row(photo, d, [0, y], grid.offset(view), |x, colour| (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z));
+        render_row(photo, d, [0, y], grid.offset(view), |x, colour| {
+            (r[x], g[x], b[x]) = (colour.x, colour.y, colour.z)
+        });
     });
     input
 }
@@ -191,6 +193,13 @@ impl Residuals {
         });
     }
 
+    /// The residual of one view at a pixel of its own size.
+    fn at(&self, layer: usize, x: usize, y: usize) -> Vec4 {
+        let [w, h] = self.size;
+        let channel = |c: usize| f32::from(self.rgb[((layer * 3 + c) * h + y) * w + x]) / UNIT;
+        Vec4::new(channel(0), channel(1), channel(2), 0.0)
+    }
+
     /// The residual of one view between pixels of its own size: clamped, bilinear.
     fn tap(&self, layer: usize, x: f32, y: f32) -> Vec4 {
         let [w, h] = self.size;
@@ -217,7 +226,10 @@ impl Residuals {
         for (y, (row, d)) in rgba.chunks_exact_mut(w * 4).zip(depths.view(at).chunks_exact(w)).enumerate() {
             let sy = (y as f32 + 0.5) * ry - 0.5;
             render_row(photo, d, [0, y], depths.grid().offset(at), |x, colour| {
-                let residual = self.tap(layer, (x as f32 + 0.5) * rx - 0.5, sy);
+                let residual = match self.size == photo.size {
+                    true => self.at(layer, x, y),
+                    false => self.tap(layer, (x as f32 + 0.5) * rx - 0.5, sy),
+                };
                 row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour + residual));
             });
         }

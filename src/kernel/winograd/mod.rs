@@ -13,6 +13,7 @@ mod plane;
 pub(super) mod plane_tile;
 mod transform;
 mod volume;
+mod volume_pass;
 pub(super) mod volume_tile;
 
 #[cfg(test)]

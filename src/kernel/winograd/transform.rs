@@ -51,13 +51,6 @@ pub(super) unsafe fn of_sums<V: Vector>(m: [V; POINTS]) -> [V; RESULTS] {
 /// Three weights, transformed (Gg).
 pub(super) fn of_weights(g: [f32; 3]) -> [f32; POINTS] {
     let [a, b, c] = g.map(f64::from);
-    [
-        a / 4.0,
-        -(a + b + c) / 6.0,
-        -(a - b + c) / 6.0,
-        a / 24.0 + b / 12.0 + c / 6.0,
-        a / 24.0 - b / 12.0 + c / 6.0,
-        c,
-    ]
-    .map(|value| value as f32)
+    [a / 4.0, -(a + b + c) / 6.0, -(a - b + c) / 6.0, a / 24.0 + b / 12.0 + c / 6.0, a / 24.0 - b / 12.0 + c / 6.0, c]
+        .map(|value| value as f32)
 }
