@@ -13,7 +13,6 @@ use rayon::prelude::*;
 use super::Layer;
 use super::transform::{POINTS, of_weights};
 use super::volume_pass::{MARGIN, Pass, ROWS, Ring};
-use super::volume_tile::TILE_PIXELS;
 use crate::job::Cancelled;
 use crate::kernel::isa::Isa;
 use crate::kernel::pack::BLOCK;
@@ -22,6 +21,8 @@ use crate::kernel::tile::Activation;
 
 /// Memory that the kept rows of all layers may take.
 const CACHE_BYTES: usize = 16 << 20;
+/// Values of the widest vector: pieces are a multiple of it.
+const VECTOR: usize = 16;
 /// 3×3×3 convolutions that follow each other, weights transformed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VolumeChain {
@@ -142,7 +143,7 @@ impl VolumeChain {
     pub(super) fn widest_piece(&self, views: usize) -> usize {
         let channels: usize = self.layers.iter().map(|layer| layer.channels[0]).sum();
         let column = channels * views * (ROWS + 2) * size_of::<f32>();
-        (CACHE_BYTES / column / TILE_PIXELS * TILE_PIXELS).max(2 * TILE_PIXELS + 4 * self.layers.len())
+        (CACHE_BYTES / column / VECTOR * VECTOR).max(6 * VECTOR + 4 * self.layers.len())
     }
 }
 
@@ -152,8 +153,8 @@ pub(super) fn pieces(width: usize, widest: usize, halo: usize) -> Vec<(Range<usi
         return vec![(0..width, 0..width)];
     }
     let count = (width - 2 * halo).div_ceil(widest - 2 * halo);
-    // All pieces are equally wide, in whole tiles.
-    let piece = ((width - 2 * halo).div_ceil(count) + 2 * halo).next_multiple_of(TILE_PIXELS).min(widest);
+    // All pieces are equally wide, in whole vectors.
+    let piece = ((width - 2 * halo).div_ceil(count) + 2 * halo).next_multiple_of(VECTOR).min(widest);
     let step = piece - 2 * halo;
     (0..count)
         .map(|i| {
