@@ -118,7 +118,7 @@ impl Nets {
 
     fn run_strips(
         &self,
-        pool: &rayon::ThreadPool,
+        pool: &tract::Pool,
         maps: &Output,
         seconds: &mut Seconds,
         job: &Job,

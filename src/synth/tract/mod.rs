@@ -23,7 +23,7 @@ use tract_onnx::tract_core::internal::DimLike as _;
 
 pub use error::EngineError;
 pub use options::{Options, Path};
-pub(crate) use threads::pool;
+pub(crate) use threads::{Pool, pool};
 
 use self::chain::{Chain, Convolutions};
 use crate::job::Cancel;
