@@ -121,7 +121,7 @@ pub fn run(models: &ModelSource, options: &Options, job: &Job) -> Result<Report,
     let isa = if options.path == Path::Avx2 { Isa::avx2().unwrap_or_default() } else { Isa::best() };
     let mut sizes = Vec::new();
     for &size in &options.sizes {
-        let peak_gflops = pool.install(|| peak::gflops(isa, threads, 20));
+        let peak_gflops = peak::gflops(isa, threads, 20);
         sizes.push(size_report(models, options, size, peak_gflops, job)?);
     }
     Ok(Report { machine: format!("{}, {isa}, {threads} threads", processor()), sizes })
