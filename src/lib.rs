@@ -13,6 +13,7 @@
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.
+//! * [`series`]: focal stacks and animations.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation.
 //!
@@ -26,6 +27,7 @@ pub mod job;
 pub mod kernel;
 pub mod recipe;
 pub mod render;
+pub mod series;
 pub mod synth;
 #[cfg(feature = "ui")]
 pub mod ui;

@@ -103,7 +103,7 @@ pub struct Recipe {
     pub lens: Lens,
     /// A place of the photo that is to be sharp, x and y from 0 to 1; it takes the place of the lens's disparity.
     pub focus_at: Option<[f32; 2]>,
-    /// Where the eye is, for light fields.
+    /// Where the lens stands, in steps from the reference view.
     pub viewpoint: ViewPoint,
     /// How the picture is kept.
     pub export: ExportSettings,
@@ -177,7 +177,7 @@ impl Recipe {
     pub fn apply(&self, scene: &Scene, job: &Job) -> Result<Pixels, LensError> {
         let size = self.export.size.of(scene.photo().size());
         let bits = if self.export.format.has_16_bits() { self.export.bits } else { 8 };
-        render_pixels(scene, &self.lens_for(scene), size, bits, job)
+        render_pixels(&scene.seen_from(self.viewpoint, size, job)?, &self.lens_for(scene), size, bits, job)
     }
 
     /// How that picture is written.

@@ -6,9 +6,16 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{Approx, two_planes};
-use plenoscope::field::{EpiLine, FNumber, FocalPlane, Lens, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
+use plenoscope::field::color::{srgb_from_linear, srgb8_from_linear};
+use plenoscope::field::{
+    DisparityMap, EpiLine, FNumber, FocalPlane, Lens, LensShape, Photo, ViewGrid, ViewIndex, ViewOffset, ViewPoint,
+};
+use plenoscope::job::{Cancel, Job};
 use plenoscope::render::gpu::{Draw, FieldTexture, Gpu, Target};
+use plenoscope::render::lens::{LensGpu, Prepared, Region, Scene};
 use plenoscope::render::{Picture, cpu};
 
 const SIZE: [u32; 2] = [45, 31];
@@ -114,4 +121,57 @@ fn a_picture_is_right_while_views_arrive() {
     let draw = Draw::Refocus { lens: Lens::default(), center: ViewPoint::default(), is_draft: false };
     // One view has arrived, so the widest lens shows that view at its full light.
     compare(&gpu, &texture, "one view", draw, &cpu::view(&field, ViewPoint::default()));
+}
+
+/// A near post and a bright dot before a slanted, textured ground.
+fn posts(size: [u32; 2]) -> Prepared {
+    let is_post = |x: u32, y: u32| (40..64).contains(&x) && y < 90;
+    let light = |x: u32, y: u32| match (is_post(x, y), (x, y) == (110, 30)) {
+        (_, true) => [1.0; 3],
+        (true, _) => [0.6, 0.1 + 0.3 * ((x + 2 * y) % 7) as f32 / 7.0, 0.1],
+        _ => [0.1, 0.3 + 0.2 * (y as f32 * 0.4).sin(), 0.3 + 0.2 * (x as f32 * 0.7).cos()],
+    };
+    let all = || (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+    let rgba = all().flat_map(|(x, y)| {
+        let [r, g, b] = light(x, y).map(srgb8_from_linear);
+        [r, g, b, 255]
+    });
+    let photo = Photo::from_srgb8(size, rgba.collect()).expect("a photo");
+    let ground = |x: u32| -1.2 + 1.4 * x as f32 / size[0] as f32;
+    let map = all().map(|(x, y)| if is_post(x, y) { 1.0 } else { ground(x) }).collect();
+    let map = DisparityMap::new(size, map).expect("a map");
+    Scene::new(Arc::new(photo), map).expect("a scene").prepare(size)
+}
+
+#[test]
+fn r9_the_lens_renderer_is_the_same_on_the_device() {
+    let Some(gpu) = gpu(256) else { return };
+    let size = [160, 120];
+    let prepared = Arc::new(posts(size));
+    let mut lens_gpu = LensGpu::new(gpu.device(), gpu.queue());
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    let blades = LensShape::Blades { count: 6, rotation_deg: 10.0, roundness: 0.4 };
+    let whole = Region { at: [0; 2], size };
+    let part = Region { at: [21, 13], size: [90, 77] };
+    let cases = [
+        (3.5, 0.0, LensShape::Disc, 0.0, whole),
+        (2.0, 1.0, LensShape::Disc, 1.0, part),
+        (1.2, -0.5, blades, 0.5, whole),
+        (5.0, 0.4, LensShape::Square, 0.0, part),
+        (2.8, -1.0, LensShape::Ring { inner: 0.5 }, 0.0, whole),
+    ];
+    for (f, disparity_px, shape, highlights, region) in cases {
+        let focus = FocalPlane { disparity_px, tilt_px: [0.1, -0.1] };
+        let keep_sharp_px = [-0.1, 0.05];
+        let lens = Lens { f_number: FNumber(f), focus, shape, highlights, keep_sharp_px, ..Lens::default() };
+        let want = prepared.render(&lens, region, &job).expect("the CPU renders");
+        let got = lens_gpu.render(&prepared, &lens, region, &job).expect("not stopped").expect("the device renders");
+        assert_eq!(got.size, want.size);
+        let stored = |light: f32| srgb_from_linear(light.clamp(0.0, 1.0)) * 255.0;
+        let pairs = got.rgb_linear.iter().zip(&want.rgb_linear);
+        let worst = pairs.map(|(a, b)| (stored(*a) - stored(*b)).abs()).fold(0.0, f32::max);
+        assert!(worst <= 2.0, "f/{f} {shape:?}: {worst} of 255");
+    }
+    let cat_eye = Lens { shape: LensShape::CatEye { strength: 1.0 }, ..Lens::default() };
+    assert!(lens_gpu.render(&prepared, &cat_eye, whole, &job).expect("not stopped").is_none());
 }

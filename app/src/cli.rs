@@ -148,6 +148,9 @@ pub struct Refocus {
     /// An edit to apply, as the window keeps it; other arguments go before it
     #[arg(long, value_name = "FILE.json")]
     pub recipe: Option<PathBuf>,
+    /// Where the lens stands: steps from the reference view, fractions allowed, u to the right, v down
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
+    pub at: Option<Pair>,
     /// photo, light-field, or WxH; by default that of the photo, of a light field that of its views
     #[arg(long, value_name = "SIZE")]
     pub size: Option<PictureSize>,
@@ -349,7 +352,7 @@ pub enum ExportKind {
     Gdepth,
     /// A folder of pictures focused from far to near, everything sharp, and each pixel's sharpest frame
     FocalStack,
-    /// A GIF or an APNG, by its ending
+    /// A GIF, a WebP or an APNG, by its ending
     Animation,
 }
 
@@ -376,6 +379,9 @@ pub struct Batch {
     /// Folder for the pictures
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Names of the pictures without their ending: {name} is the photo's, {f} the f-number; by default the recipe's
+    #[arg(long, value_name = "TEMPLATE")]
+    pub name: Option<String>,
     #[command(flatten)]
     pub synth: SynthArgs,
     /// Make again what is there already

@@ -17,6 +17,8 @@ pub struct Transfer(Arc<[Curve; 3]>);
 #[derive(Clone)]
 struct Curve {
     linear: Arc<[f32]>,
+    /// Of the 256 values of 8 bits, close together: they are read for every pixel of a photo.
+    linear_8: [f32; 256],
     eight: Arc<Inverse>,
     sixteen: Arc<Inverse>,
 }
@@ -77,7 +79,7 @@ impl Transfer {
     /// Linear light of an 8-bit value in a channel (0 red, 1 green, 2 blue).
     #[inline]
     pub fn linear_from_8(&self, channel: usize, value: u8) -> f32 {
-        self.0[channel].linear[usize::from(value) * 257]
+        self.0[channel].linear_8[usize::from(value)]
     }
 
     /// Linear light of a 16-bit value in a channel.
@@ -104,7 +106,8 @@ impl Curve {
         let linear: Arc<[f32]> = (0..=65535).map(|v| linear_from(v as f32 / 65535.0)).collect();
         let eight = Inverse::new(255, 14, |v| linear_from(v / 255.0));
         let sixteen = Inverse::new(65535, 10, |v| linear_from(v / 65535.0));
-        Self { linear, eight: Arc::new(eight), sixteen: Arc::new(sixteen) }
+        let linear_8 = std::array::from_fn(|v| linear[v * 257]);
+        Self { linear, linear_8, eight: Arc::new(eight), sixteen: Arc::new(sixteen) }
     }
 }
 

@@ -20,7 +20,10 @@ const MEMORY_BYTES: u64 = 2 << 30;
 
 /// Runs all of them, then says how it went.
 pub fn run(args: &Batch, job: &Job) -> Result<()> {
-    let recipe = Recipe::read(&args.recipe)?;
+    let mut recipe = Recipe::read(&args.recipe)?;
+    if let Some(name) = &args.name {
+        recipe.export.name.clone_from(name);
+    }
     let settings = Settings { recipe, out: args.output.clone(), memory_bytes: MEMORY_BYTES, force: args.force };
     let nets = OnceLock::new();
     let make = |path: &Path, inner: &Job| {

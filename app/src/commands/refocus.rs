@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use plenoscope::field::{DisparityMap, FocalPlane, Lens, Photo, View, fit_long_side};
+use plenoscope::field::{DisparityMap, FocalPlane, Lens, Photo, View, ViewOffset, ViewPoint, fit_long_side};
 use plenoscope::io::save::{self, Keep, Origin, PictureOptions};
 use plenoscope::io::{Opened, PhotoFile};
 use plenoscope::job::{Job, Stage};
@@ -85,6 +85,7 @@ impl Edit<'_> {
             _ => photo.size(),
         };
         let options = self.options(Origin::in_own_space(photo), photo.pixels().bits());
+        let scene = scene.seen_from(self.viewpoint(), size, job)?;
         let pixels = lens::render_pixels(&scene, &lens, size, options.bits, job)?;
         job.advance(Stage::Save, 0, 1)?;
         Ok(save::pixels(&self.args.output, &pixels, &options)?)
@@ -110,10 +111,16 @@ impl Edit<'_> {
             }
             None => lens_args::lens(&self.args.lens, base, photo_size, &own)?,
         };
-        let picture = cpu::refocus_with_depths(&scene.field, Some(&depths), &lens, recipe.viewpoint);
+        let picture = cpu::refocus_with_depths(&scene.field, Some(&depths), &lens, self.viewpoint());
         job.advance(Stage::Save, 0, 1)?;
         let origin = scene.photo.as_deref().map(Origin::in_srgb).unwrap_or_default();
         Ok(save::picture(&self.args.output, &picture, &self.options(origin, 8))?)
+    }
+
+    /// Where the lens stands.
+    fn viewpoint(&self) -> ViewPoint {
+        let of_recipe = self.recipe.as_ref().map_or_else(ViewPoint::default, |recipe| recipe.viewpoint);
+        self.args.at.map_or(of_recipe, |Pair(du, dv)| ViewPoint(ViewOffset { dv, du }))
     }
 
     /// How the picture is written; `bits` are those of the photo.

@@ -1,9 +1,9 @@
-//! Short animations: GIF and APNG, frame by frame, so that one frame is held at a time.
+//! Short animations: GIF, APNG and WebP, frame by frame, so that one frame is held at a time.
 
 use std::io::BufWriter;
 use std::path::Path;
 
-use super::{SaveError, atomic};
+use super::{SaveError, atomic, webp_animation};
 use crate::render::Picture;
 
 /// How an animation is written.
@@ -15,7 +15,7 @@ pub struct AnimationOptions {
     pub frames: u32,
 }
 
-/// Writes pictures in linear sRGB as an endless animation: `.gif`, or `.png` and `.apng`.
+/// Writes pictures in linear sRGB as an endless animation: `.gif`, `.webp` (without loss), or `.png` and `.apng`.
 /// What goes wrong in making a frame is handed on.
 pub fn animation<E: From<SaveError>>(
     path: &Path,
@@ -26,6 +26,7 @@ pub fn animation<E: From<SaveError>>(
     let write = match ending.as_str() {
         "gif" => gif,
         "png" | "apng" => apng,
+        "webp" => webp,
         _ => return Err(SaveError::Animation(path.to_owned()).into()),
     };
     let mut broken = None;
@@ -93,6 +94,12 @@ fn apng(out: &mut Out, size: [u32; 2], frames: &mut Frames, options: &AnimationO
     writer.finish().map_err(error)
 }
 
+fn webp(out: &mut Out, size: [u32; 2], frames: &mut Frames, options: &AnimationOptions) -> Result<(), SaveError> {
+    let frame_ms = 1000 / u32::from(options.frames_per_second.clamp(1, 50));
+    let all = (0..options.frames).map(|_| frames.next().ok_or(SaveError::Cancelled));
+    webp_animation::write(out, size, all, frame_ms)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,7 +113,7 @@ mod tests {
     #[test]
     fn all_frames_are_in_the_file() {
         let dir = tempfile::tempdir().unwrap();
-        for name in ["a.gif", "a.apng", "a.png"] {
+        for name in ["a.gif", "a.apng", "a.png", "a.webp"] {
             let path = dir.path().join(name);
             animation(&path, [0.1, 0.5, 0.9].into_iter().map(frame), &OPTIONS).unwrap();
             let file = std::fs::File::open(&path).unwrap();
@@ -117,6 +124,15 @@ mod tests {
                     count += 1;
                 }
                 assert_eq!(count, 3);
+            } else if name == "a.webp" {
+                let mut decoder = image_webp::WebPDecoder::new(std::io::BufReader::new(file)).unwrap();
+                assert!(decoder.is_animated());
+                assert_eq!((decoder.dimensions(), decoder.num_frames()), ((6, 4), 3));
+                let mut pixels = vec![0; decoder.output_buffer_size().unwrap()];
+                for light in [0.1, 0.5, 0.9] {
+                    assert_eq!(decoder.read_frame(&mut pixels).unwrap(), 50);
+                    assert!(pixels.iter().all(|&v| v == crate::field::color::srgb8_from_linear(light)));
+                }
             } else {
                 let reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().unwrap();
                 assert_eq!(reader.info().animation_control().unwrap().num_frames, 3);

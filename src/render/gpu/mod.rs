@@ -77,5 +77,6 @@ pub fn shader_sources() -> Vec<(&'static str, String)> {
         ("epi", with_common(include_str!("shaders/epi.wgsl"))),
         ("depth", with_common(include_str!("shaders/depth.wgsl"))),
         ("present", include_str!("shaders/present.wgsl").to_owned()),
+        ("lens", include_str!("../lens/gpu/lens.wgsl").to_owned()),
     ]
 }

@@ -41,13 +41,13 @@ impl Span {
 pub struct Kernel {
     /// The spans.
     pub spans: Vec<Span>,
-    /// Columns that the spans reach, with the one after the last.
+    /// Columns and rows that the spans reach, with the one after the last.
     pub reach: i32,
 }
 
 impl Kernel {
     fn of(spans: Vec<Span>) -> Self {
-        let reach = spans.iter().map(|span| (-span.begin.0).max(span.end.0 + 1)).max().unwrap_or(0);
+        let reach = spans.iter().map(|s| (-s.begin.0).max(s.end.0 + 1).max(s.dy.abs() + 1)).max().unwrap_or(0);
         Self { spans, reach }
     }
 

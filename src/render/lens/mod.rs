@@ -3,23 +3,30 @@
 //! * [`surfaces`](self): where one surface ends before another, at photo size.
 //! * `behind`: what goes on behind near edges.
 //! * [`kernel`]: the shape of a blurred point.
-//! * `tile`: spreading and covering, near to far, one tile at a time, so that memory does not follow the photo's size.
+//! * `rays`: light on its way, by pixels, or by blocks where it is spread widely.
+//! * `spread`: one slice of it over a tile, put behind what is nearer.
+//! * `tile`: from the near side to the far one, a tile at a time, so that memory does not follow the photo's size.
 //!
 //! The blur that is added is a disc of diameter `√(n² − 1)·|D − D_f|·s` pixels, with `n = 28 / N` views across the
 //! aperture and `s` the picture's pixels per pixel of the disparity map.
 
 mod behind;
+#[cfg(feature = "ui")]
+mod gpu;
 mod grain;
 pub mod kernel;
 mod light;
 mod peaking;
+mod rays;
 mod reveal;
 mod sample;
+mod spread;
 mod stack;
 mod surfaces;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod viewpoint;
 
 use std::sync::Arc;
 
@@ -33,10 +40,13 @@ use crate::render::Picture;
 use behind::Behind;
 use kernel::Kernels;
 use light::Light;
+use rays::BLOCK;
 use surfaces::Surfaces;
 use tile::Optics;
 
 pub use behind::Revealed;
+#[cfg(feature = "ui")]
+pub use gpu::LensGpu;
 pub use light::Space;
 pub use peaking::peaking;
 pub use reveal::revealed;
@@ -232,7 +242,7 @@ impl Prepared {
             self.surfaces.range_px().into_iter().flat_map(|d| corners.map(|[x, y]| lens.defocus_px(d, x, y).abs()));
         let widest = gain * blurs.fold(0.0, f32::max);
         let kernels = Kernels::new(lens.shape, widest, self.size);
-        Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2, size: self.size }
+        Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, size: self.size }
     }
 }
 

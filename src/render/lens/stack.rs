@@ -47,15 +47,6 @@ pub fn circle(radius_views: f32, frames: usize) -> Vec<ViewPoint> {
 }
 
 impl Prepared {
-    /// Renders the whole picture with each lens in turn.
-    pub fn series<'a>(
-        &'a self,
-        lenses: &'a [Lens],
-        job: &'a Job,
-    ) -> impl ExactSizeIterator<Item = Result<Picture, LensError>> + 'a {
-        lenses.iter().map(|lens| self.render(lens, Region { at: [0; 2], size: self.size() }, job))
-    }
-
     /// Everything sharp: the photo at this size.
     pub fn all_in_focus(&self, job: &Job) -> Result<Picture, LensError> {
         let closed = Lens { f_number: FNumber::PHOTO, ..Lens::default() };
@@ -120,7 +111,8 @@ mod tests {
         assert_eq!((index[2], index[30]), (1, 2));
         let sharp = scene.all_in_focus(&job).unwrap();
         let lenses = lenses(&Lens::default(), Motion::FocusPull([-1.0, 1.0]), 3);
-        let frames: Vec<Picture> = scene.series(&lenses, &job).collect::<Result<_, _>>().unwrap();
+        let whole = Region { at: [0; 2], size: [32, 16] };
+        let frames: Vec<Picture> = lenses.iter().map(|lens| scene.render(lens, whole, &job).unwrap()).collect();
         let at = |p: &Picture, x: usize| p.rgb_linear[(8 * 32 + x) * 3];
         assert!((at(&frames[1], 2) - at(&sharp, 2)).abs() < 1e-5);
         assert!((at(&frames[2], 30) - at(&sharp, 30)).abs() < 1e-5);

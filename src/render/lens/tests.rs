@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::field::color::{linear_from_srgb, srgb_from_linear, srgb8_from_linear, srgb16_from_linear};
-use crate::field::{FNumber, FocalPlane, LensShape, Metadata, PhotoPixels};
+use crate::field::{FNumber, FocalPlane, LensShape, Metadata, PhotoPixels, ViewOffset, ViewPoint};
 
 /// One step of 8 bits.
 const STEP: f32 = 1.0 / 255.0;
@@ -235,6 +235,11 @@ fn nearest(layers: &[Layer], x: f32, y: f32, step: [f32; 2], focus: f32) -> &Lay
 
 /// Shift-and-add of 33×33 exactly rendered views over a disc.
 fn added(layers: &[Layer], size: [u32; 2], focus: f32) -> Picture {
+    added_from(layers, size, focus, [0.0; 2])
+}
+
+/// The same around a viewpoint `[u, v]`, whose own view stays where it is.
+fn added_from(layers: &[Layer], size: [u32; 2], focus: f32, eye: [f32; 2]) -> Picture {
     let radius = PAPER / 2.0;
     let steps: Vec<[f32; 2]> = (-16..=16)
         .flat_map(|v| (-16..=16).map(move |u| [u as f32 / 16.5 * radius, v as f32 / 16.5 * radius]))
@@ -243,9 +248,11 @@ fn added(layers: &[Layer], size: [u32; 2], focus: f32) -> Picture {
     let color = |x: f32, y: f32| {
         let mut sum = [0.0; 3];
         for &step in &steps {
-            let layer = nearest(layers, x, y, step, focus);
-            let away = layer.disparity - focus;
-            let light = (layer.light)(x + step[0] * away, y + step[1] * away);
+            // L(x − s·D_f, e + s) is on the surface at x − s·D_f + (e + s)·D.
+            let on = |l: &Layer| [0, 1].map(|a| step[a] * (l.disparity - focus) + eye[a] * l.disparity);
+            let sees = |l: &&Layer| (l.covers)(x + on(l)[0], y + on(l)[1]);
+            let layer = layers.iter().find(sees).unwrap();
+            let light = (layer.light)(x + on(layer)[0], y + on(layer)[1]);
             (0..3).for_each(|c| sum[c] += light[c] / steps.len() as f32);
         }
         sum
@@ -273,6 +280,51 @@ fn r6_agrees_with_shift_and_add_of_the_light_field() {
             let psnr = psnr(&out, &added(&layers, size, focus));
             assert!(psnr >= 38.0, "{count} layers, focus {focus}: {psnr} dB");
         }
+    }
+}
+
+#[test]
+fn from_beside_the_scene_is_as_it_would_be_there() {
+    let size = [128, 128];
+    let job = Job { cancel: &Default::default(), sink: &() };
+    let layers = layers(2);
+    let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
+    let scene = Scene::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
+    for (dv, du) in [(0.0, 4.0), (-3.5, 0.0), (2.0, -3.0)] {
+        let eye = ViewPoint(ViewOffset { dv, du });
+        let moved = scene.seen_from(eye, size, &job).unwrap();
+        let color = |x: u32, y: u32| {
+            let (x, y) = (x as f32, y as f32);
+            let layer = nearest(&layers, x, y, [du, dv], 0.0);
+            (layer.light)(x + du * layer.disparity, y + dv * layer.disparity)
+        };
+        let truth = Picture::from_fn(size, color);
+        let closed = Lens { f_number: FNumber::PHOTO, ..Lens::default() };
+        let got = render(&moved, &closed, size, &job).unwrap();
+        // What comes in from outside the picture cannot be known.
+        let inside = |p: &Picture| {
+            let rows = (8..120).flat_map(|y| (8..120).flat_map(move |x| (0..3).map(move |c| (y * 128 + x) * 3 + c)));
+            Picture { size: [112, 112], rgb_linear: rows.map(|i| p.rgb_linear[i]).collect() }
+        };
+        let psnr = psnr(&inside(&got), &inside(&truth));
+        assert!(psnr >= 32.0, "from {eye:?}: {psnr} dB");
+    }
+    assert!(Arc::ptr_eq(scene.seen_from(ViewPoint::default(), size, &job).unwrap().photo(), scene.photo()));
+}
+
+#[test]
+fn a_lens_beside_the_middle_agrees_with_the_light_field() {
+    let size = [128, 128];
+    let job = Job { cancel: &Default::default(), sink: &() };
+    let layers = layers(2);
+    let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
+    let scene = Scene::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
+    let eye = [2.0, -1.0];
+    let moved = scene.seen_from(ViewPoint(ViewOffset { du: eye[0], dv: eye[1] }), size, &job).unwrap();
+    for focus in [-0.6, 0.1] {
+        let got = render(&moved, &focused(focus), size, &job).unwrap();
+        let psnr = psnr(&got, &added_from(&layers, size, focus, eye));
+        assert!(psnr >= 32.0, "focus {focus}: {psnr} dB");
     }
 }
 

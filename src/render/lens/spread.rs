@@ -1,0 +1,269 @@
+//! A slice's light spread over a tile: differences along rows on grids of all coarsenesses, summed up and put behind
+//! what is nearer.
+
+use super::kernel::Kernel;
+use super::rays::{LEVELS, Ray};
+use super::tile::{Optics, Region};
+
+/// One slice on its way over a tile.
+pub(super) struct Spread {
+    sheets: [Sheet; LEVELS],
+    /// Light that stays in its pixel; not as differences, so that it stays exact.
+    still: Vec<[f32; 4]>,
+    still_rows: [usize; 2],
+}
+
+/// The grid of one level.
+struct Sheet {
+    /// Of a cell: 1 << level pixels.
+    level: usize,
+    /// First cell, in the picture's cells of this level.
+    at: [i32; 2],
+    size: [usize; 2],
+    /// From a ray's cell to this grid's.
+    shift: [i32; 2],
+    /// `[y, x]` with two columns more than the grid; what goes in left of it is in the first column.
+    steps: Vec<[f32; 4]>,
+    /// The same summed up, with what the coarser levels give; `[y, x]`.
+    sums: Vec<[f32; 4]>,
+    /// First and last row that rays reach, and that there is light in after the sum.
+    rows: [usize; 2],
+    filled: [usize; 2],
+}
+
+const NO_ROWS: [usize; 2] = [usize::MAX, 0];
+
+fn is_none(rows: [usize; 2]) -> bool {
+    rows[0] > rows[1]
+}
+
+fn both(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
+    [a[0].min(b[0]), a[1].max(b[1])]
+}
+
+impl Spread {
+    pub(super) fn new(region: Region) -> Self {
+        let at = region.at.map(|at| at as i32);
+        let (mut first, mut size) = (at, region.size.map(|s| s as usize));
+        let sheets = std::array::from_fn(|level| {
+            if level > 0 {
+                let last = [0, 1].map(|a| ((first[a] + size[a] as i32 - 1) >> 1) + 1);
+                first = first.map(|f| (f >> 1) - 1);
+                size = [0, 1].map(|a| (last[a] - first[a] + 1) as usize);
+            }
+            let shift = [0, 1].map(|a| (at[a] >> level) - first[a]);
+            let sums = if level > 0 { vec![[0.0; 4]; size[0] * size[1]] } else { Vec::new() };
+            let steps = vec![[0.0; 4]; (size[0] + 2) * size[1]];
+            Sheet { level, at: first, size, shift, steps, sums, rows: NO_ROWS, filled: NO_ROWS }
+        });
+        let still = vec![[0.0; 4]; (region.size[0] * region.size[1]) as usize];
+        Self { sheets, still, still_rows: NO_ROWS }
+    }
+
+    /// Spreads a slice and puts it behind what is there; the last number of `front` is how much is left to cover.
+    pub(super) fn put_behind(&mut self, rays: &[Vec<Ray>; LEVELS], optics: &Optics, front: &mut [[f32; 4]]) {
+        for (sheet, rays) in self.sheets.iter_mut().zip(rays) {
+            for ray in rays.iter().filter(|ray| ray.kernel > 0) {
+                sheet.add(ray, optics);
+            }
+        }
+        for ray in rays[0].iter().filter(|ray| ray.kernel == 0) {
+            self.stay(ray);
+        }
+        for level in (1..LEVELS).rev() {
+            let (fine, coarse) = self.sheets.split_at_mut(level + 1);
+            fine[level].sum_up(coarse.first());
+        }
+        self.cover(front);
+        self.clear();
+    }
+
+    fn stay(&mut self, ray: &Ray) {
+        let [width, height] = self.sheets[0].size;
+        let [x, y] = [ray.x, ray.y].map(|at| at as usize);
+        // Negative places are large ones here.
+        if x < width && y < height {
+            add(&mut self.still[y * width + x], &ray.light, 1.0);
+            self.still_rows = both(self.still_rows, [y, y]);
+        }
+    }
+
+    fn cover(&self, front: &mut [[f32; 4]]) {
+        let [finest, coarse, ..] = &self.sheets;
+        let [width, height] = finest.size;
+        let mut rows = both(finest.rows, self.still_rows);
+        if !is_none(coarse.filled) {
+            rows = both(rows, finest.rows_under(coarse));
+        }
+        if is_none(rows) {
+            return;
+        }
+        let mut upper = vec![[0.0; 4]; width];
+        for y in rows[0]..=rows[1].min(height - 1) {
+            let mut sum = [0.0; 4];
+            finest.interpolated(coarse, y, &mut upper);
+            let steps = &finest.steps[y * (width + 2)..][..width];
+            let still = &self.still[y * width..][..width];
+            let front = &mut front[y * width..][..width];
+            for (((pixel, step), still), upper) in front.iter_mut().zip(steps).zip(still).zip(&upper) {
+                add(&mut sum, step, 1.0);
+                put(pixel, std::array::from_fn(|c| sum[c] + still[c] + upper[c]));
+            }
+        }
+    }
+
+    fn clear(&mut self) {
+        self.sheets.iter_mut().for_each(Sheet::clear);
+        let [first, last] = self.still_rows;
+        if first <= last {
+            let width = self.sheets[0].size[0];
+            self.still[first * width..(last + 1) * width].fill([0.0; 4]);
+        }
+        self.still_rows = NO_ROWS;
+    }
+}
+
+/// Puts light and coverage behind a pixel.
+#[inline(always)]
+fn put(pixel: &mut [f32; 4], light: [f32; 4]) {
+    let cover = light[3];
+    if cover <= 1e-5 {
+        return;
+    }
+    let share = closed(cover).min(pixel[3]);
+    let part = share / cover;
+    for c in 0..3 {
+        pixel[c] += part * light[c].max(0.0);
+    }
+    pixel[3] -= share;
+}
+
+/// Coverage with its last per cent closed: a surface whose blur changes from place to place spreads a little unevenly,
+/// and a bright background would show through a dark one.
+#[inline(always)]
+fn closed(cover: f32) -> f32 {
+    if cover < 0.8 { cover } else { (cover + 0.015 * ((cover - 0.8) * 10.0).min(1.0)).min(1.0) }
+}
+
+impl Sheet {
+    fn clear(&mut self) {
+        let [first, last] = self.rows;
+        if first <= last {
+            let wide = self.size[0] + 2;
+            self.steps[first * wide..(last + 1) * wide].fill([0.0; 4]);
+        }
+        [self.rows, self.filled] = [NO_ROWS; 2];
+    }
+
+    fn add(&mut self, ray: &Ray, optics: &Optics) {
+        let [x, y] = [i32::from(ray.x) + self.shift[0], i32::from(ray.y) + self.shift[1]];
+        let [width, height] = self.size.map(|s| s as i32);
+        let [px, py] = [(self.at[0] + x) << self.level, (self.at[1] + y) << self.level];
+        let Kernel { spans, reach } = optics.kernels.get(ray.kernel.into(), ray.flipped, px, py);
+        let reach = *reach;
+        let from = if y < reach { spans.partition_point(|span| span.dy < -y) } else { 0 };
+        let to = if y + reach >= height { spans.partition_point(|span| span.dy < height - y) } else { spans.len() };
+        if from >= to || x + reach < 0 || x - reach >= width {
+            return;
+        }
+        let spans = &spans[from..to];
+        let (Some(first), Some(last)) = (spans.first(), spans.last()) else { return };
+        self.rows = both(self.rows, [(first.dy + y) as usize, (last.dy + y) as usize]);
+        let wide = self.size[0] + 2;
+        let top = (first.dy + y) as usize * wide;
+        let inside = x >= reach && x + reach < width;
+        for span in spans {
+            let start = top + (span.dy - first.dy) as usize * wide;
+            let row = &mut self.steps[start..start + wide];
+            if inside {
+                step(row, (span.begin.0 + x) as usize, &ray.light, span.begin.1);
+                step(row, (span.end.0 + x) as usize, &ray.light, span.end.1.map(|p| -p));
+                continue;
+            }
+            let column = |at: i32| (at + x).clamp(0, width + 1) as usize;
+            let (at, parts) = span.begin;
+            add(&mut row[column(at)], &ray.light, parts[0]);
+            add(&mut row[column(at + 1)], &ray.light, parts[1]);
+            let (at, parts) = span.end;
+            add(&mut row[column(at)], &ray.light, -parts[0]);
+            add(&mut row[column(at + 1)], &ray.light, -parts[1]);
+        }
+    }
+
+    /// Sums the differences up, with the coarser level's light between its cells.
+    fn sum_up(&mut self, coarser: Option<&Self>) {
+        let [width, height] = self.size;
+        self.filled = self.rows;
+        if let Some(coarser) = coarser.filter(|c| !is_none(c.filled)) {
+            self.filled = both(self.filled, self.rows_under(coarser));
+        }
+        if is_none(self.filled) {
+            return;
+        }
+        self.filled[1] = self.filled[1].min(height - 1);
+        let mut sums = std::mem::take(&mut self.sums);
+        for y in self.filled[0]..=self.filled[1] {
+            let sums = &mut sums[y * width..][..width];
+            match coarser {
+                Some(coarser) => self.interpolated(coarser, y, sums),
+                None => sums.fill([0.0; 4]),
+            }
+            let mut sum = [0.0; 4];
+            for (total, step) in sums.iter_mut().zip(&self.steps[y * (width + 2)..]) {
+                add(&mut sum, step, 1.0);
+                add(total, &sum, 1.0);
+            }
+        }
+        self.sums = sums;
+    }
+
+    /// Rows that a coarser level's light reaches.
+    fn rows_under(&self, coarser: &Self) -> [usize; 2] {
+        let [first, last] = coarser.filled;
+        let fine = |row: usize| (coarser.at[1] + row as i32) * 2 - self.at[1];
+        let top = self.size[1] as i32 - 1;
+        [(fine(first) - 1).clamp(0, top) as usize, (fine(last) + 2).clamp(0, top) as usize]
+    }
+
+    /// A row of the coarser level's light between its cells: three parts of the cell, one of its neighbour.
+    fn interpolated(&self, coarser: &Self, y: usize, out: &mut [[f32; 4]]) {
+        let y = self.at[1] + y as i32;
+        let row = |at: i32| {
+            let at = at - coarser.at[1];
+            let is_filled = at >= coarser.filled[0].min(i32::MAX as usize) as i32 && at <= coarser.filled[1] as i32;
+            is_filled.then(|| &coarser.sums[at as usize * coarser.size[0]..][..coarser.size[0]])
+        };
+        let rows = [(row(y >> 1), 0.75), (row((y >> 1) + if y & 1 == 0 { -1 } else { 1 }), 0.25)];
+        out.fill([0.0; 4]);
+        for (row, share) in rows {
+            let Some(row) = row else { continue };
+            let mut cell = ((self.at[0] >> 1) - coarser.at[0]) as usize;
+            let mut odd = self.at[0] & 1 == 1;
+            for out in out.iter_mut() {
+                let beside = if odd { &row[cell + 1] } else { &row[cell - 1] };
+                let own = &row[cell];
+                for c in 0..4 {
+                    out[c] += share * (0.75 * own[c] + 0.25 * beside[c]);
+                }
+                cell += usize::from(odd);
+                odd = !odd;
+            }
+        }
+    }
+}
+
+/// Two neighbouring steps of a row at once.
+#[inline(always)]
+fn step(row: &mut [[f32; 4]], at: usize, light: &[f32; 4], parts: [f32; 2]) {
+    if let Some([a, b]) = row[at..].first_chunk_mut::<2>() {
+        add(a, light, parts[0]);
+        add(b, light, parts[1]);
+    }
+}
+
+#[inline(always)]
+fn add(to: &mut [f32; 4], what: &[f32; 4], times: f32) {
+    for (to, what) in to.iter_mut().zip(what) {
+        *to += what * times;
+    }
+}

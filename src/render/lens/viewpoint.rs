@@ -1,0 +1,185 @@
+//! The scene from beside the reference view: a photo and a disparity map as they would be there.
+//!
+//! Along the line on which the points of a pixel's ray lie in the reference view, the first surface from the near side
+//! is what the eye sees: `L(x, u) = L(x + u·D, 0)` (paper, §3). A ray that goes past a near edge meets what is behind.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::behind::Behind;
+use super::light::{Light, Space};
+use super::surfaces::Surfaces;
+use super::{LensError, Scene};
+use crate::field::{DisparityMap, Photo, PhotoPixels, Transfer, ViewPoint, color::srgb8_from_linear};
+use crate::job::{Job, Stage};
+
+/// A ray that is behind a surface by more than this, in pixels per view step of the map, has gone past its edge.
+const PAST_PX: f32 = 0.06;
+/// Steps of the search are at most so many pixels apart, before the last one is halved.
+const STEP_PX: f32 = 0.7;
+/// Rows that are looked at together, between two looks at the flag.
+const ROWS: usize = 64;
+
+impl Scene {
+    /// The scene as it is seen from a viewpoint, in `size` pixels (at most the photo's). From the reference view it is
+    /// the scene itself.
+    pub fn seen_from(&self, eye: ViewPoint, size: [u32; 2], job: &Job) -> Result<Self, LensError> {
+        if eye == ViewPoint::default() {
+            return Ok(self.clone());
+        }
+        let full = self.photo.size();
+        let size = [0, 1].map(|axis| size[axis].clamp(1, full[axis]));
+        let front = Front::new(self, size);
+        let scale = size[0] as f32 / self.disparity.size[0] as f32;
+        let shift = [eye.0.du * scale, eye.0.dv * scale];
+        let [width, height] = size.map(|s| s as usize);
+        let mut wide = vec![u16::MAX; width * height * 4];
+        let mut depth = vec![0.0; width * height];
+        let bands = height.div_ceil(ROWS);
+        let rows = wide.chunks_mut(width * 4 * ROWS).zip(depth.chunks_mut(width * ROWS));
+        for (done, (wide, depth)) in rows.enumerate() {
+            job.advance(Stage::Refocus, done as u32, bands as u32)?;
+            let rows = wide.par_chunks_mut(width * 4).zip(depth.par_chunks_mut(width)).enumerate();
+            rows.for_each(|(row, (wide, depth))| {
+                for (x, (pixel, depth)) in wide.chunks_exact_mut(4).zip(depth).enumerate() {
+                    let (rgb, disparity) = front.look([x as f32, (done * ROWS + row) as f32], shift);
+                    *depth = disparity;
+                    (0..3).for_each(|c| pixel[c] = front.transfer.sixteen_from_linear(c, rgb[c]));
+                }
+            });
+        }
+        front.scene(self, wide, &depth)
+    }
+}
+
+/// The visible surfaces of the reference view, pixel by pixel, and what is behind them.
+struct Front {
+    size: [u32; 2],
+    light: Light,
+    depth: Vec<f32>,
+    range: [f32; 2],
+    behind: Behind,
+    transfer: Transfer,
+}
+
+impl Front {
+    fn new(scene: &Scene, size: [u32; 2]) -> Self {
+        let light = Light::of(&scene.photo, scene.space).reduced(size);
+        let surfaces = Surfaces::new(scene.disparity.clone(), &light);
+        let behind = Behind::new(&surfaces, &light, scene.behind.as_deref());
+        let transfer = match scene.space {
+            Space::Own => Transfer::of_profile(scene.photo.metadata().icc.as_deref()),
+            Space::Srgb => Transfer::srgb(),
+        };
+        let width = size[0] as usize;
+        let reader = surfaces.reader(0, width, size);
+        let mut depth = vec![0.0; width * size[1] as usize];
+        depth.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let mut colors = vec![[0.0; 3]; width];
+            light.row(0, y as i32, &mut colors);
+            let at = reader.at_row(y as i32);
+            for (i, (depth, color)) in row.iter_mut().zip(&colors).enumerate() {
+                let seen = reader.seen(&at, i, color);
+                *depth = if seen.cover > 0.5 { seen.near_px } else { seen.far_px };
+            }
+        });
+        let range = depth.iter().fold([f32::MAX, f32::MIN], |[lo, hi], &d| [lo.min(d), hi.max(d)]);
+        Self { size, light, depth, range, behind, transfer }
+    }
+
+    /// Colour and disparity of what is seen at a pixel; `shift`: pixels by which a disparity of 1 is displaced.
+    fn look(&self, at: [f32; 2], shift: [f32; 2]) -> ([f32; 3], f32) {
+        let [far, near] = self.range;
+        let place = |d: f32| [at[0] + shift[0] * d, at[1] + shift[1] * d];
+        let steps = ((near - far) * shift[0].hypot(shift[1]) / STEP_PX).ceil().max(1.0);
+        let step = (near - far) / steps;
+        let mut before = near;
+        for i in 0..=steps as u32 {
+            let ray = near - step * i as f32;
+            let surface = self.depth_at(place(ray));
+            if surface < ray {
+                before = ray;
+                continue;
+            }
+            if surface - ray > PAST_PX + step {
+                // Behind an edge: what is there may be known.
+                if let Some(hidden) = self.hidden(place(ray), ray, step) {
+                    return hidden;
+                }
+                continue;
+            }
+            let ray = self.halved([before, ray], place);
+            return (self.color_at(place(ray)), ray);
+        }
+        let last = place(far);
+        (self.color_at(last), far)
+    }
+
+    /// Where the ray meets the surface between two disparities.
+    fn halved(&self, [mut before, mut inside]: [f32; 2], place: impl Fn(f32) -> [f32; 2]) -> f32 {
+        for _ in 0..4 {
+            let middle = (before + inside) / 2.0;
+            if self.depth_at(place(middle)) < middle {
+                before = middle;
+            } else {
+                inside = middle;
+            }
+        }
+        (before + inside) / 2.0
+    }
+
+    /// What is behind a place, if a ray at that disparity meets it there.
+    fn hidden(&self, at: [f32; 2], ray: f32, step: f32) -> Option<([f32; 3], f32)> {
+        let [x, y] = self.nearest(at);
+        let reader = self.behind.reader(x as i32, 1, self.size);
+        let hidden = reader.hidden(reader.at_row(y as i32), 0)?;
+        (hidden.share > 0.5 && hidden.disparity_px + step >= ray).then_some((hidden.rgb, hidden.disparity_px))
+    }
+
+    fn nearest(&self, at: [f32; 2]) -> [usize; 2] {
+        [0, 1].map(|axis| at[axis].round().clamp(0.0, self.size[axis] as f32 - 1.0) as usize)
+    }
+
+    fn depth_at(&self, at: [f32; 2]) -> f32 {
+        let [x, y] = self.nearest(at);
+        self.depth[y * self.size[0] as usize + x]
+    }
+
+    fn color_at(&self, at: [f32; 2]) -> [f32; 3] {
+        let [x, y] = [0, 1].map(|axis| at[axis].clamp(0.0, self.size[axis] as f32 - 1.0));
+        let (x0, y0) = (x as usize, y as usize);
+        let [x1, y1] = [(x0 + 1).min(self.size[0] as usize - 1), (y0 + 1).min(self.size[1] as usize - 1)];
+        let (tx, ty) = (x - x.floor(), y - y.floor());
+        let mix = |a: [f32; 3], b: [f32; 3], t: f32| std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t);
+        let upper = mix(self.light.at(x0, y0), self.light.at(x1, y0), tx);
+        mix(upper, mix(self.light.at(x0, y1), self.light.at(x1, y1), tx), ty)
+    }
+
+    /// The scene of what was seen.
+    fn scene(&self, from: &Scene, wide: Vec<u16>, depth: &[f32]) -> Result<Scene, LensError> {
+        // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
+        let size = from.disparity.size;
+        let place = |i: u32, axis: usize| (2 * i as usize + 1) * self.size[axis] as usize / (2 * size[axis] as usize);
+        let cell = |(x, y)| depth[place(y, 1) * self.size[0] as usize + place(x, 0)];
+        let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+        let map = DisparityMap { size, disparity_px: cells.map(cell).collect() };
+        let transfer = &self.transfer;
+        let to_8 = |p: &[u16]| {
+            let of = |c: usize| srgb8_from_linear(transfer.linear_from_16(c, p[c]));
+            [of(0), of(1), of(2), u8::MAX]
+        };
+        let narrow: Vec<u8> = wide.chunks_exact(4).flat_map(to_8).collect();
+        let mut metadata = from.photo.metadata().clone();
+        if from.space == Space::Srgb {
+            metadata.icc = None;
+        }
+        let photo = Photo::new(self.size, PhotoPixels::Sixteen(wide.into()), narrow.into(), metadata);
+        let photo = photo.map_err(|_| LensError::NotANumber)?;
+        let photo = match from.photo.source() {
+            Some(path) => photo.with_source(path),
+            None => photo,
+        };
+        Ok(Scene { photo: Arc::new(photo), disparity: map, behind: None, space: from.space })
+    }
+}
