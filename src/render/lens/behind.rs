@@ -38,6 +38,7 @@ pub struct Revealed {
 pub(super) struct Behind {
     size: [u32; 2],
     cells: Vec<[f32; LEN]>,
+    is_empty: bool,
 }
 
 /// What is behind one pixel.
@@ -80,13 +81,13 @@ impl Behind {
                 }
             }
         });
-        Self { size, cells }
+        let is_empty = cells.iter().all(|cell| cell[SHARE] <= 0.0);
+        Self { size, cells, is_empty }
     }
 
     /// Reads rows of a picture of `size` from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: [u32; 2]) -> Reader<'_> {
-        let far = self.cells.iter().all(|cell| cell[SHARE] <= 0.0);
-        Reader { behind: self, x: Axis::new(x0, count, size[0], self.size[0]), size, empty: far }
+        Reader { behind: self, x: Axis::new(x0, count, size[0], self.size[0]), size }
     }
 }
 
@@ -95,7 +96,6 @@ pub(super) struct Reader<'a> {
     behind: &'a Behind,
     x: Axis,
     size: [u32; 2],
-    empty: bool,
 }
 
 impl Reader<'_> {
@@ -109,7 +109,7 @@ impl Reader<'_> {
         let (x0, x1, tx) = self.x.get(i);
         let width = self.behind.size[0] as usize;
         let nearest = &self.behind.cells[row.0 * width + x0];
-        if self.empty || (nearest[SHARE] <= 0.0 && nearest[DISTANCE] > 4.0) {
+        if self.behind.is_empty || (nearest[SHARE] <= 0.0 && nearest[DISTANCE] > 4.0) {
             return None;
         }
         let cell = bilinear(&self.behind.cells, width, (x0, x1, tx), row);

@@ -5,6 +5,7 @@
 //! a grid that much coarser: wide blurs cost less, not more. Blocks lie on a grid of the whole picture, so tiles agree.
 
 use super::kernel::index_of;
+use crate::field::LensShape;
 
 /// Levels of coarseness: cells of 1, 2, 4, 8 and 16 pixels.
 pub(super) const LEVELS: usize = 5;
@@ -66,12 +67,15 @@ pub(super) struct Slices {
     pub(super) rays: Vec<[Vec<Ray>; LEVELS]>,
     at: [i32; 2],
     size: [i32; 2],
+    /// Part of the diameter that is the finest in the lens's shape: 1, less for a ring's wall.
+    finest: f32,
 }
 
 impl Slices {
-    pub(super) fn new(at: [i32; 2], size: [i32; 2]) -> Self {
+    pub(super) fn new(at: [i32; 2], size: [i32; 2], shape: LensShape) -> Self {
         let empty = || std::array::from_fn(|_| Vec::new());
-        Self { rays: std::iter::repeat_with(empty).take(2 * MIDDLE as usize + 1).collect(), at, size }
+        let finest = if let LensShape::Ring { inner } = shape { 1.0 - inner.clamp(0.0, 0.9) } else { 1.0 };
+        Self { rays: std::iter::repeat_with(empty).take(2 * MIDDLE as usize + 1).collect(), at, size, finest }
     }
 
     /// Sends a block of pixels whose upper left one is at `place`, `[y, x]` of [`BLOCK`]² pieces.
@@ -85,7 +89,7 @@ impl Slices {
                     // The parent takes the place of cells that were read already.
                     let children = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * y + dy) * side + 2 * x + dx);
                     let four = children.map(|i| pieces[i]);
-                    let parent = joined(&four, level);
+                    let parent = joined(&four, COARSE_PX[level] / self.finest);
                     if parent.peak.is_infinite() {
                         for (i, piece) in four.iter().enumerate().filter(|(_, p)| p.peak.is_finite()) {
                             let cell = [2 * x + i % 2, 2 * y + i / 2];
@@ -144,9 +148,9 @@ fn coarse_diameter(blur: f32, level: usize) -> f32 {
 /// block by 1/12, and interpolation to half the cells again and again by 1/4 in all.
 const COARSE_BLUR: f32 = 16.0 * (1.0 / 12.0 + 0.25);
 
-/// Four cells as one of the next level, or a mark that they cannot be one.
+/// Four cells as one of the next level, or a mark that they cannot be one: they must be spread by `coarse_px` or more.
 #[inline]
-fn joined(four: &[Piece; 4], level: usize) -> Piece {
+fn joined(four: &[Piece; 4], coarse_px: f32) -> Piece {
     let mut sum = Piece { light: [0.0; 4], blur: [f32::MAX, f32::MIN], peak: 0.0 };
     for piece in four {
         sum.peak = sum.peak.max(piece.peak);
@@ -158,7 +162,7 @@ fn joined(four: &[Piece; 4], level: usize) -> Piece {
     let [low, high] = sum.blur;
     let size = low.abs().min(high.abs());
     let mean = sum.light[0] + sum.light[1] + sum.light[2];
-    let even = sum.peak <= 2.0 * mean + 1e-4 && size >= COARSE_PX[level] && high - low <= SAME_BLUR * size;
+    let even = sum.peak <= 2.0 * mean + 1e-4 && size >= coarse_px && high - low <= SAME_BLUR * size;
     if !even && !sum.is_empty() {
         sum.peak = f32::INFINITY;
     }
@@ -170,7 +174,7 @@ mod tests {
     use super::*;
 
     fn sent(piece: impl Fn(usize, usize) -> Piece) -> Vec<(usize, Ray)> {
-        let mut slices = Slices::new([0, 0], [16, 16]);
+        let mut slices = Slices::new([0, 0], [16, 16], LensShape::Disc);
         let mut block: Vec<Piece> = (0..BLOCK * BLOCK).map(|i| piece(i % BLOCK, i / BLOCK)).collect();
         slices.send_block([0, 0], &mut block);
         let with_level = |lists: [Vec<Ray>; LEVELS]| {

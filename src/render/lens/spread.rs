@@ -242,8 +242,8 @@ impl Sheet {
             for out in out.iter_mut() {
                 let beside = if odd { &row[cell + 1] } else { &row[cell - 1] };
                 let own = &row[cell];
-                for c in 0..4 {
-                    out[c] += share * (0.75 * own[c] + 0.25 * beside[c]);
+                for (c, out) in out.iter_mut().enumerate() {
+                    *out += share * (0.75 * own[c] + 0.25 * beside[c]);
                 }
                 cell += usize::from(odd);
                 odd = !odd;

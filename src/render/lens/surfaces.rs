@@ -150,8 +150,8 @@ impl Reader<'_> {
         let unsure = ramp(0.02, 0.2, soft.min(1.0 - soft));
         let cover = mix(steep.clamp(0.0, 1.0), by_color.clamp(0.0, 1.0), unsure * cell[TELLING]).clamp(0.0, 1.0);
         // Well on one side the map's own value stands; between the sides it would be an invented depth.
-        let near = mix(near, disparity, ramp(0.7, 0.9, by_map));
-        let far = mix(disparity, far, ramp(0.1, 0.3, by_map));
+        let near = mix(near, disparity, ramp(0.88, 0.99, by_map));
+        let far = mix(disparity, far, ramp(0.01, 0.12, by_map));
         Seen { near_px: mix(disparity, near, edge), far_px: mix(disparity, far, edge), cover, edge }
     }
 }

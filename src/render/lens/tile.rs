@@ -64,7 +64,8 @@ fn gather(picture: &Prepared, optics: &Optics, region: Region) -> Slices {
     let from = region.at.map(|at| (at as i32 - optics.reach).div_euclid(side) * side);
     let to = [0, 1].map(|a| (region.at[a] + region.size[a]) as i32 + optics.reach);
     let count = ((to[0] - from[0]) as usize).next_multiple_of(BLOCK);
-    let mut slices = Slices::new(region.at.map(|at| at as i32), region.size.map(|s| s as i32));
+    let [at, size] = [region.at, region.size].map(|pair| pair.map(|v| v as i32));
+    let mut slices = Slices::new(at, size, optics.lens.shape);
     let surfaces = picture.surfaces.reader(from[0], count, picture.size);
     let behind = picture.behind.reader(from[0], count, picture.size);
     let mut colors = vec![[0.0; 3]; count * BLOCK];
