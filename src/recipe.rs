@@ -84,7 +84,7 @@ pub struct ExportSettings {
     pub size: OutputSize,
     /// Which metadata goes along.
     pub keep: Keep,
-    /// Name of the file without its ending: `{name}` is the photo's, `{f}` the f-number.
+    /// Name of the file without its ending: `{name}` is the photo's, `{f}` the f-number, `{focus}` the disparity in focus.
     pub name: String,
 }
 
@@ -187,14 +187,20 @@ impl Recipe {
         PictureOptions { format: Some(format), bits, quality, keep, origin, replace_source: false }
     }
 
-    /// The picture's file name for a photo's.
-    pub fn file_name(&self, photo: &Path) -> String {
+    /// The picture's file name for a photo's, without its ending.
+    pub fn stem(&self, photo: &Path) -> String {
         let stem = photo.file_stem().unwrap_or_default().to_string_lossy();
         let f = format!("{:.1}", self.lens.f_number.0);
         let f = f.strip_suffix(".0").unwrap_or(&f);
-        let name = self.export.name.replace("{name}", &stem).replace("{f}", f).replace(['/', '\\', '\0'], "-");
-        let name = if name.trim_matches(['.', ' ']).is_empty() { stem.into_owned() } else { name };
-        format!("{name}.{}", self.export.format.extension())
+        let focus = format!("{:+.2}", self.lens.focus.disparity_px);
+        let name = self.export.name.replace("{name}", &stem).replace("{f}", f).replace("{focus}", &focus);
+        let name = name.replace(['/', '\\', '\0'], "-");
+        if name.trim_matches(['.', ' ']).is_empty() { stem.into_owned() } else { name }
+    }
+
+    /// The picture's file name for a photo's.
+    pub fn file_name(&self, photo: &Path) -> String {
+        format!("{}.{}", self.stem(photo), self.export.format.extension())
     }
 }
 

@@ -7,16 +7,22 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 #[allow(missing_docs, reason = "each one's label and hint stand in `Action::spec`")]
 pub enum Action {
     Open,
+    OpenFolder,
     OpenSample,
     Paste,
     NextPhoto,
     PreviousPhoto,
     Export,
+    ExportPhotos,
+    Queue,
     CopyPicture,
+    Settings,
     Stop,
     Quit,
     Undo,
     Redo,
+    CopyEdit,
+    PasteEdit,
     ResetLens,
     ResetViewpoint,
     StepLeft,
@@ -29,6 +35,7 @@ pub enum Action {
     Depths,
     ToggleDepth,
     BeforeAfter,
+    Peaking,
     Fit,
     OneToOne,
     ZoomIn,
@@ -37,6 +44,10 @@ pub enum Action {
     FullScreen,
     NextTheme,
     ClearRecent,
+    OwnDepth,
+    Opposite,
+    Transpose,
+    Serpentine,
     Shortcuts,
 }
 
@@ -65,18 +76,25 @@ pub const MOUSE: [(&str, &str); 6] = [
 
 impl Action {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 43] = [
         Self::Open,
+        Self::OpenFolder,
         Self::OpenSample,
         Self::Paste,
         Self::PreviousPhoto,
         Self::NextPhoto,
         Self::Export,
+        Self::ExportPhotos,
+        Self::Queue,
         Self::CopyPicture,
+        Self::ClearRecent,
+        Self::Settings,
         Self::Stop,
         Self::Quit,
         Self::Undo,
         Self::Redo,
+        Self::CopyEdit,
+        Self::PasteEdit,
         Self::ResetLens,
         Self::ResetViewpoint,
         Self::StepLeft,
@@ -89,6 +107,7 @@ impl Action {
         Self::Depths,
         Self::ToggleDepth,
         Self::BeforeAfter,
+        Self::Peaking,
         Self::Fit,
         Self::OneToOne,
         Self::ZoomIn,
@@ -96,7 +115,10 @@ impl Action {
         Self::ToggleInspector,
         Self::FullScreen,
         Self::NextTheme,
-        Self::ClearRecent,
+        Self::OwnDepth,
+        Self::Opposite,
+        Self::Transpose,
+        Self::Serpentine,
         Self::Shortcuts,
     ];
 
@@ -104,16 +126,24 @@ impl Action {
     pub fn spec(self) -> Spec {
         let (group, label, hint, shortcut) = match self {
             Self::Open => ("File", "Open…", "Open a photo or a light field", ctrl(Key::O)),
+            Self::OpenFolder => ("File", "Open folder…", "Open a folder of views", shift(Key::O)),
             Self::OpenSample => ("File", "Try the sample", "Open the built-in picture", None),
-            Self::Paste => ("File", "Paste", "Open the picture or path in the clipboard", ctrl(Key::V)),
+            Self::Paste => {
+                ("File", "Paste", "Open the picture or path in the clipboard, or apply the edit in it", ctrl(Key::V))
+            }
             Self::PreviousPhoto => ("File", "Previous photo", "Open the photo before this one", ctrl(Key::ArrowLeft)),
             Self::NextPhoto => ("File", "Next photo", "Open the photo after this one", ctrl(Key::ArrowRight)),
-            Self::Export => ("File", "Export…", "Save the picture, or views and ray depths", ctrl(Key::S)),
+            Self::Export => ("File", "Export…", "Save the picture, or anything else it can become", ctrl(Key::S)),
+            Self::ExportPhotos => ("File", "Export photos…", "Export other photos with this edit", shift(Key::S)),
+            Self::Queue => ("File", "Queue", "What is being exported, and what waits", ctrl(Key::J)),
+            Self::Settings => ("File", "Settings…", "Theme, light field, models", ctrl(Key::Comma)),
             Self::CopyPicture => ("File", "Copy picture", "Put the picture into the clipboard", ctrl(Key::C)),
             Self::Stop => ("File", "Stop", "Stop what is running", key(Key::Escape)),
             Self::Quit => ("File", "Quit", "Close the window", ctrl(Key::Q)),
             Self::Undo => ("Edit", "Undo", "Take the last edit back", ctrl(Key::Z)),
             Self::Redo => ("Edit", "Redo", "Do the last edit again", ctrl(Key::Y)),
+            Self::CopyEdit => ("Edit", "Copy edit", "Put lens, focus and viewpoint into the clipboard", shift(Key::C)),
+            Self::PasteEdit => ("Edit", "Paste edit", "Apply the edit in the clipboard", shift(Key::V)),
             Self::ResetLens => ("Edit", "Reset lens", "Back to f/3.5, focus in the middle", key(Key::R)),
             Self::ResetViewpoint => ("Edit", "Centre viewpoint", "Back to where the photo was taken", key(Key::Home)),
             Self::StepLeft => ("Viewpoint", "Step left", "Move the eye one view left", key(Key::ArrowLeft)),
@@ -130,6 +160,7 @@ impl Action {
             Self::BeforeAfter => {
                 ("View", "Before / after", "The photo left of the line, the picture right", key(Key::C))
             }
+            Self::Peaking => ("View", "Focus peaking", "Mark the edges that are in focus", key(Key::K)),
             Self::Fit => ("View", "Fit", "Show the whole picture", key(Key::Num0)),
             Self::OneToOne => ("View", "1:1", "One picture pixel for one screen pixel", key(Key::Num1)),
             Self::ZoomIn => ("View", "Zoom in", "Closer", key(Key::Plus)),
@@ -138,9 +169,21 @@ impl Action {
             Self::FullScreen => ("View", "Full screen", "Use the whole screen", key(Key::F11)),
             Self::NextTheme => ("View", "Theme", "Dark, light, or as the system", key(Key::T)),
             Self::ClearRecent => ("File", "Forget recent files", "Empty the list of recent files", None),
+            Self::OwnDepth => ("Light field", "Depth map…", "Take ray depths from a map of your own", ctrl(Key::D)),
+            Self::Opposite => ("Light field", "Exchange near and far", "Turn the sign of every disparity", None),
+            Self::Transpose => ("Light field", "Exchange rows and columns", "Rows of views are columns", None),
+            Self::Serpentine => ("Light field", "To and fro", "Every second row of views runs backwards", None),
             Self::Shortcuts => ("Help", "Shortcuts", "All keys and what the mouse does", key(Key::F1)),
         };
         Spec { group, label, hint, shortcut }
+    }
+
+    /// Headings of the menu and the sheet, in order.
+    pub const GROUPS: [&'static str; 6] = ["File", "Edit", "Viewpoint", "View", "Light field", "Help"];
+
+    /// The actions of a group.
+    pub fn of_group(group: &str) -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(move |action| action.spec().group == group)
     }
 
     /// Hint with the key behind it, for tool tips.
@@ -159,6 +202,10 @@ fn key(key: Key) -> Option<KeyboardShortcut> {
 
 fn ctrl(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::COMMAND, key))
+}
+
+fn shift(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::COMMAND | Modifiers::SHIFT, key))
 }
 
 #[cfg(test)]

@@ -3,8 +3,11 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use super::near_end::{self, Reading};
 use super::worker::{Event, JobId, Outbox};
+use crate::io::formats::depth_map;
 use crate::job::Cancel;
+use crate::recipe::Recipe;
 
 /// What is asked for.
 #[derive(Clone, Debug)]
@@ -19,8 +22,42 @@ pub enum Ask {
         /// Where to start.
         folder: Option<PathBuf>,
     },
-    /// Text or a picture in the clipboard.
+    /// A folder of views to open.
+    OpenFolder {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// Photos to export.
+    Photos {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// A depth map of one's own.
+    DepthMap {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// The depth map in a file.
+    ReadDepthMap(PathBuf),
+    /// A folder of models.
+    Models,
+    /// A picture, a path or an edit in the clipboard.
     Clipboard,
+    /// An edit in the clipboard.
+    PasteEdit,
+}
+
+/// What a typed path is for, where the system shows no dialogs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathFor {
+    /// A photo or a light field to open.
+    Open,
+    /// A photo to export.
+    Export,
+    /// A depth map.
+    DepthMap,
+    /// A folder of models.
+    Models,
 }
 
 /// Where a dialog led.
@@ -30,10 +67,27 @@ pub enum Picked {
     Open(PathBuf),
     /// A folder to save into.
     Folder(PathBuf),
+    /// Photos to export.
+    Photos(Vec<PathBuf>),
+    /// A depth map of one's own.
+    DepthMap {
+        /// Where it lies.
+        path: PathBuf,
+        /// Whether its numbers are disparities.
+        is_disparity: bool,
+        /// The map, read both ways.
+        readings: [Reading; 2],
+    },
+    /// A folder of models.
+    Models(PathBuf),
     /// A picture from the clipboard, `[y, x, 4]`.
     Pixels([u32; 2], Vec<u8>),
+    /// An edit from the clipboard.
+    Edit(Box<Recipe>),
     /// The system shows no dialogs: ask for a path in the window.
-    Unavailable,
+    Unavailable(PathFor),
+    /// The system shows no dialog for the folder of exports, which the export dialog has a field for.
+    NoFolderDialog,
     /// The person changed their mind.
     Nothing,
 }
@@ -44,18 +98,51 @@ const SHOWN: Duration = Duration::from_millis(400);
 /// The dialog thread's work.
 pub fn work(job: JobId, ask: Ask, _: &Cancel, outbox: &Outbox) {
     let start = Instant::now();
-    let event = match ask {
-        Ask::Clipboard => clipboard(),
+    let path = |file: rfd::FileHandle| file.path().to_owned();
+    let or_none = |picked: Option<Picked>, wanted| picked.unwrap_or_else(|| none(start, wanted));
+    let picked = match ask {
+        Ask::Clipboard => return tell(job, clipboard(), outbox),
+        Ask::PasteEdit => return tell(job, edit_in_clipboard(), outbox),
+        Ask::ReadDepthMap(path) => return tell(job, depth_map(path), outbox),
+        Ask::DepthMap { folder } => match pollster::block_on(dialog(folder).pick_file()) {
+            Some(file) => return tell(job, depth_map(path(file)), outbox),
+            None => none(start, PathFor::DepthMap),
+        },
         Ask::Open { folder } => {
-            let file = pollster::block_on(dialog(folder).pick_file());
-            Event::Picked(file.map_or_else(|| none(start), |file| Picked::Open(file.path().to_owned())))
+            or_none(pollster::block_on(dialog(folder).pick_file()).map(path).map(Picked::Open), PathFor::Open)
         }
-        Ask::Folder { folder } => {
-            let folder = pollster::block_on(dialog(folder).pick_folder());
-            Event::Picked(folder.map_or_else(|| none(start), |folder| Picked::Folder(folder.path().to_owned())))
+        Ask::OpenFolder { folder } => {
+            or_none(pollster::block_on(dialog(folder).pick_folder()).map(path).map(Picked::Open), PathFor::Open)
         }
+        Ask::Photos { folder } => {
+            let files = pollster::block_on(dialog(folder).pick_files());
+            let files = files.map(|files| Picked::Photos(files.into_iter().map(path).collect()));
+            or_none(files, PathFor::Export)
+        }
+        Ask::Models => {
+            or_none(pollster::block_on(dialog(None).pick_folder()).map(path).map(Picked::Models), PathFor::Models)
+        }
+        Ask::Folder { folder } => match pollster::block_on(dialog(folder).pick_folder()) {
+            Some(folder) => Picked::Folder(path(folder)),
+            None if start.elapsed() < SHOWN => Picked::NoFolderDialog,
+            None => Picked::Nothing,
+        },
     };
+    outbox.send(job, Event::Picked(picked));
+}
+
+fn tell(job: JobId, event: Event, outbox: &Outbox) {
     outbox.send(job, event);
+}
+
+fn depth_map(path: PathBuf) -> Event {
+    match depth_map::read(&path) {
+        Ok(map) => {
+            let readings = near_end::readings(&map);
+            Event::Picked(Picked::DepthMap { path, is_disparity: map.is_disparity, readings })
+        }
+        Err(error) => Event::Failed(super::jobs::sentence(&error)),
+    }
 }
 
 fn dialog(folder: Option<PathBuf>) -> rfd::AsyncFileDialog {
@@ -66,13 +153,30 @@ fn dialog(folder: Option<PathBuf>) -> rfd::AsyncFileDialog {
     }
 }
 
-fn none(start: Instant) -> Picked {
-    if start.elapsed() < SHOWN { Picked::Unavailable } else { Picked::Nothing }
+fn none(start: Instant, wanted: PathFor) -> Picked {
+    if start.elapsed() < SHOWN { Picked::Unavailable(wanted) } else { Picked::Nothing }
+}
+
+fn edit_in_clipboard() -> Event {
+    let text = arboard::Clipboard::new().and_then(|mut board| board.get_text()).unwrap_or_default();
+    match edit_from_text(&text) {
+        Some(edit) => Event::Picked(Picked::Edit(edit)),
+        None => Event::Failed(
+            "nothing to paste — the clipboard holds no edit — copy one from another photo first (Copy edit)".into(),
+        ),
+    }
+}
+
+/// An edit, if that is what a text holds.
+pub fn edit_from_text(text: &str) -> Option<Box<Recipe>> {
+    let text = text.trim();
+    (text.starts_with('{') && text.contains("\"lens\"")).then(|| Recipe::from_json(text).ok()).flatten().map(Box::new)
 }
 
 /// A picture, or the path of one.
 fn clipboard() -> Event {
-    let nothing = "nothing to paste — the clipboard holds no picture and no path of a file — copy one first";
+    let nothing =
+        "nothing to paste — the clipboard holds no picture and no path of a file — copy a picture or a path first";
     let Ok(mut board) = arboard::Clipboard::new() else {
         return Event::Failed(
             "could not paste — the system's clipboard does not answer — open the file instead".into(),
@@ -82,9 +186,10 @@ fn clipboard() -> Event {
         return Event::Picked(Picked::Pixels([image.width as u32, image.height as u32], image.bytes.into_owned()));
     }
     let text = board.get_text().unwrap_or_default();
-    match path_from_text(&text) {
-        Some(path) => Event::Picked(Picked::Open(path)),
-        None => Event::Failed(nothing.to_owned()),
+    match (edit_from_text(&text), path_from_text(&text)) {
+        (Some(edit), _) => Event::Picked(Picked::Edit(edit)),
+        (None, Some(path)) => Event::Picked(Picked::Open(path)),
+        (None, None) => Event::Failed(nothing.to_owned()),
     }
 }
 
@@ -135,5 +240,13 @@ mod tests {
         }
         assert_eq!(path_from_text("just some words"), None);
         assert_eq!(path_from_text(""), None);
+    }
+
+    #[test]
+    fn an_edit_is_told_from_other_text() {
+        let edit = Recipe::default().to_json();
+        assert!(edit_from_text(&edit).is_some());
+        assert!(edit_from_text("{\"lens\": 3}").is_none());
+        assert!(edit_from_text("/a/lens.jpg").is_none());
     }
 }

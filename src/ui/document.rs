@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::field::{DisparityMap, LightField, Photo, RayDepths, ViewGrid, ViewIndex};
-use crate::io::{EmbeddedDepth, FileInfo, Opened};
+use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
+use crate::io::formats::layout::Layout;
+use crate::io::{EmbeddedDepth, FileInfo, LightFieldFile, Opened};
+use crate::recipe::Recipe;
 
 /// An open file.
 #[derive(Clone, Debug, Default)]
@@ -21,8 +23,16 @@ pub struct Document {
     pub phone: Option<Arc<EmbeddedDepth>>,
     /// Disparity of the reference view alone, where it is known (the sample, benchmark scenes).
     pub reference: Option<Arc<DisparityMap>>,
+    /// Ray depths of the photo from a map of one's own.
+    pub own_map: Option<OwnMap>,
     /// The light field, once it is complete.
     pub field: Option<Arc<LightField>>,
+    /// A light field from disk as it lies in its files, where it is shown brighter.
+    pub stored: Option<Arc<LightField>>,
+    /// How a light field from disk was laid out to fit the conventions.
+    pub layout: Layout,
+    /// The edit that lies beside the photo.
+    pub recipe: Option<Box<Recipe>>,
     /// The disparity of every ray.
     pub depths: Option<Arc<RayDepths>>,
     /// What the ray depths say about the scene.
@@ -33,6 +43,15 @@ pub struct Document {
     pub took_secs: f64,
     /// What a person should know about the file.
     pub warnings: Vec<String>,
+}
+
+/// A map of one's own as the reference view's ray depths.
+#[derive(Clone, Debug)]
+pub struct OwnMap {
+    /// Its disparities, in pixels of its own width.
+    pub map: Arc<DisparityMap>,
+    /// Whether the numbers are disparities and used as they are; else the photo's edges guide them.
+    pub is_exact: bool,
 }
 
 /// A finished light field.
@@ -46,6 +65,8 @@ pub struct Made {
     pub made_by: String,
     /// How long it took.
     pub took_secs: f64,
+    /// The document it was made of: what is shown of it changes with it.
+    pub of: Box<Document>,
 }
 
 impl Document {
@@ -57,14 +78,35 @@ impl Document {
             Opened::Photo(file) => {
                 Self { photo: Some(file.photo), phone: file.depth.map(Arc::new), warnings: file.warnings, ..base }
             }
-            Opened::LightField(file) => Self {
-                field: Some(file.field),
-                depths: file.depths,
-                reference: file.reference_disparity.map(Arc::new),
-                warnings: file.warnings,
-                made_by: "from disk".to_owned(),
-                ..base
-            },
+            Opened::LightField(file) => Self::of_light_field(*file, base),
+        }
+    }
+
+    fn of_light_field(file: LightFieldFile, base: Self) -> Self {
+        let shown = file.display_gamma.map(|gamma| Arc::new(brighter(&file.field, gamma)));
+        Self {
+            stored: shown.is_some().then(|| Arc::clone(&file.field)),
+            field: Some(shown.unwrap_or(file.field)),
+            depths: file.depths,
+            reference: file.reference_disparity.map(Arc::new),
+            layout: file.layout,
+            warnings: file.warnings,
+            made_by: "from disk".to_owned(),
+            ..base
+        }
+    }
+
+    /// A light field from disk in another layout, without ray depths: they are to be measured anew.
+    pub fn laid_out(&self, layout: Layout) -> Self {
+        let turn = |field: &Arc<LightField>| Arc::new(layout.apply(&self.layout.undo(field)));
+        Self {
+            field: self.field.as_ref().map(turn),
+            stored: self.stored.as_ref().map(turn),
+            layout,
+            depths: None,
+            reference: None,
+            survey: None,
+            ..self.clone()
         }
     }
 
@@ -85,6 +127,15 @@ impl Document {
         of_field.or_else(|| self.depths.as_ref().map(|depths| depths.grid()))
     }
 
+    /// Where in the reference view the point lies that is seen at a place of a view: `x + (u − u0)·D` ([`crate::field`]).
+    pub fn place_in_reference(&self, view: ViewIndex, place: [f32; 2], disparity_px: f32) -> Option<[f32; 2]> {
+        let depths = self.depths.as_ref()?;
+        let ([w, h], step) = (depths.size(), depths.grid().offset(view));
+        let x = place[0] + step.du * disparity_px / w as f32;
+        let y = place[1] + step.dv * disparity_px / h as f32;
+        Some([x.clamp(0.0, 1.0), y.clamp(0.0, 1.0)])
+    }
+
     /// The disparity at a place of a view, x and y from 0 to 1: the median of 5×5 rays, so that a stray ray does not
     /// move the focus.
     pub fn disparity_at(&self, view: ViewIndex, place: [f32; 2]) -> Option<f32> {
@@ -100,6 +151,18 @@ impl Document {
         around.sort_by(f32::total_cmp);
         around.get(around.len() / 2).copied()
     }
+}
+
+/// A dark light field as it should be shown: `shown = stored ^ γ`.
+fn brighter(field: &LightField, gamma: f32) -> LightField {
+    let table: Vec<u8> = (0..=255u8).map(|v| ((f32::from(v) / 255.0).powf(gamma) * 255.0).round() as u8).collect();
+    let shown = |view: &Arc<View>| {
+        let rgba = view.rgba().chunks_exact(4);
+        let rgba =
+            rgba.flat_map(|p| [table[p[0] as usize], table[p[1] as usize], table[p[2] as usize], p[3]]).collect();
+        View::new(view.size(), rgba).map_or_else(|_same_size| Arc::clone(view), Arc::new)
+    };
+    LightField::new(field.grid(), field.views().iter().map(shown).collect()).unwrap_or_else(|_same_views| field.clone())
 }
 
 /// "4032 × 3024 · Display P3 · phone depth".

@@ -1,16 +1,19 @@
 //! What the threads do: open a file and make a light field of it; write files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::document::Document;
+use super::neighbours::{Ahead, Ready};
+use super::recents;
 use super::state::Source;
 use super::tiles::TileSet;
 use super::worker::{Event, JobId, Outbox, Work};
 use crate::field::{Photo, RayDepths, View, ViewIndex};
 use crate::io;
 use crate::job::{Cancel, Job, Progress, Sink};
+use crate::recipe::Recipe;
 use crate::synth::ModelSource;
 
 /// Where a picture comes from.
@@ -37,6 +40,8 @@ pub struct Load {
     pub occlusion: bool,
     /// Where ray depths come from.
     pub source: Source,
+    /// Where the nets come from.
+    pub models: ModelSource,
 }
 
 /// Passes what a computation tells on to the window.
@@ -61,30 +66,55 @@ impl Sink for ToWindow<'_> {
 }
 
 /// The work of the thread that opens and synthesizes; it keeps the nets once they are loaded.
-pub fn loader(models: ModelSource, threads: usize) -> impl Work<Load> {
-    let mut maker = super::maker::Maker::new(models, threads);
+pub fn loader(threads: usize, ahead: Ahead) -> impl Work<Load> {
+    let mut maker = super::maker::Maker::new(threads);
     move |job: JobId, load: Load, cancel: &Cancel, outbox: &Outbox| {
         let sink = ToWindow { job, outbox };
-        let done = open(&load.from, job, &Job { cancel, sink: &sink }, outbox)
+        let done = open(&load.from, job, &Job { cancel, sink: &sink }, &ahead, outbox)
             .and_then(|document| maker.make(&document, &load, &Job { cancel, sink: &sink }));
-        let event = match done {
-            _ if cancel.is_cancelled() => Event::Stopped,
-            Ok(made) => Event::Made(Box::new(made)),
-            Err(sentence) => Event::Failed(sentence),
-        };
-        outbox.send(job, event);
+        match done {
+            _ if cancel.is_cancelled() => {
+                outbox.send(job, Event::Stopped);
+            }
+            Ok(made) => {
+                let document = made.of.clone();
+                outbox.send(job, Event::Made(Box::new(made)));
+                outbox.send(job, Event::Models(load.models.relative_depth_models()));
+                recents::keep(&document);
+            }
+            Err(sentence) => {
+                outbox.send(job, Event::Failed(sentence));
+            }
+        }
     }
 }
 
+/// Reads a file, and the edit that lies beside it.
+pub fn read(path: &Path, job: &Job) -> Result<Document, String> {
+    let opened = io::open(path, job).map_err(|error| sentence(&error))?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let mut document = Document::new(opened, Some(path), &name);
+    if document.photo.is_some() {
+        match Recipe::of_photo(path) {
+            Ok(recipe) => document.recipe = recipe.map(Box::new),
+            Err(error) => document.warnings.push(sentence(&error)),
+        }
+    }
+    Ok(document)
+}
+
 /// Reads a file and tells the window at once, with the picture ready for the screen.
-fn open(from: &From, job_id: JobId, job: &Job, outbox: &Outbox) -> Result<Document, String> {
+fn open(from: &From, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -> Result<Document, String> {
+    let mut tiles = None;
     let document = match from {
         From::Again(document) => return Ok((**document).clone()),
-        From::File(path) => {
-            let opened = io::open(path, job).map_err(|error| sentence(&error))?;
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            Document::new(opened, Some(path), &name)
-        }
+        From::File(path) => match ahead.take(path) {
+            Some(Ready { document, tiles: ready }) => {
+                tiles = Some(ready);
+                document
+            }
+            None => read(path, job)?,
+        },
         From::Pixels(size, rgba) => {
             let mut rgba = rgba.clone();
             rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);
@@ -98,8 +128,8 @@ fn open(from: &From, job_id: JobId, job: &Job, outbox: &Outbox) -> Result<Docume
     };
     outbox.send(job_id, Event::Opened(Box::new(document.clone())));
     if let Some(photo) = &document.photo {
-        let tiles = TileSet::new(photo.size(), photo.srgb8());
-        outbox.send(job_id, Event::Tiles(Arc::new(tiles)));
+        let tiles = tiles.unwrap_or_else(|| Arc::new(TileSet::new(photo.size(), photo.srgb8())));
+        outbox.send(job_id, Event::Tiles(tiles));
     }
     Ok(document)
 }

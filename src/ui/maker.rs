@@ -8,27 +8,31 @@ use std::time::Instant;
 use super::document::{Document, Made};
 use super::jobs::{Load, secs_since, sentence};
 use super::state::Source;
-use crate::field::{DisparityMap, LightField, Photo, ViewGrid};
-use crate::job::{Job, Stage};
+use crate::field::{DisparityMap, LightField, Photo};
+use crate::job::Job;
 use crate::synth::{
-    DepthSource, ModelSource, Signed, SynthParams, Synthesizer, lambertian, lift, reference_view, sweep, upsample,
+    DepthSource, ModelSource, SynthParams, Synthesizer, lift, reference_view, sweep, synthesize_from_map, upsample,
 };
 
-/// Disparities that a phone's depth is spread over, in pixels per view step of its own width: the ratios of a flower
-/// before its garden.
-const PHONE_RANGE_PER_WIDTH: [f32; 2] = [-0.8 / 540.0, 1.0 / 540.0];
+/// Disparities that depth without a scale is spread over, in pixels per view step of its own width: the ratios of a
+/// flower before its garden.
+const RANGE_PER_WIDTH: [f32; 2] = [-0.8 / 540.0, 1.0 / 540.0];
+
+/// The disparities, far and near, that a map of this width is spread over where its scale is unknown.
+pub fn usual_range_px(width: u32) -> [f32; 2] {
+    RANGE_PER_WIDTH.map(|per_width| per_width * width as f32)
+}
 
 /// Keeps the nets between jobs.
 pub struct Maker {
-    models: ModelSource,
     threads: usize,
-    nets: Option<Synthesizer>,
+    nets: Option<(ModelSource, Synthesizer)>,
 }
 
 impl Maker {
     /// Nothing is loaded before the first photo.
-    pub fn new(models: ModelSource, threads: usize) -> Self {
-        Self { models, threads, nets: None }
+    pub fn new(threads: usize) -> Self {
+        Self { threads, nets: None }
     }
 
     /// Makes the light field of a document, or adds ray depths to one that came without.
@@ -41,37 +45,71 @@ impl Maker {
     }
 
     fn of_photo(&mut self, photo: &Photo, document: &Document, load: &Load, job: &Job) -> Result<Made, String> {
-        let phone = document.phone.as_ref().map(|phone| {
-            let width = phone.size[0] as f32;
-            Arc::new(phone.disparity(PHONE_RANGE_PER_WIDTH.map(|per_width| per_width * width)))
-        });
-        if self.nets.is_none() {
-            match Synthesizer::load(&self.models) {
-                Ok(nets) => self.nets = Some(nets),
-                Err(error) => {
-                    let Some(map) = document.reference.clone().or(phone) else { return Err(sentence(&error)) };
-                    job.sink.warning(format!("{} — the picture's own depth is used", sentence(&error)));
-                    return without_nets(photo, &map, load.long_side, job);
-                }
-            }
+        let phone = document.phone.as_ref().map(|phone| Arc::new(phone.disparity(usual_range_px(phone.size[0]))));
+        let params = self.params(document, phone, load, job);
+        if let Err(error) = self.load(&load.models) {
+            let known = params.disparity.clone().or_else(|| document.reference.clone()).or(params.phone.clone());
+            let Some(map) = known else { return Err(error) };
+            job.sink.warning(format!("{error} — the picture's own depth is used"));
+            return without_nets(photo, &map, document, load.long_side, job);
         }
-        let source = match (load.source, &phone) {
-            (Source::Phone, Some(_)) => DepthSource::Phone,
-            (Source::Fused, Some(_)) => DepthSource::Fused,
-            _ => DepthSource::Network,
-        };
-        let params = SynthParams {
+        let Some((_, nets)) = &self.nets else { return Err("the nets are not there".to_owned()) };
+        let made = nets.synthesize(photo, &params, job).map_err(|error| sentence(&error))?;
+        let mut made_by: Vec<&str> = made.models.iter().map(|model| model.id.as_str()).collect();
+        match &params.source {
+            _ if params.disparity.is_some() => made_by.insert(0, "your map"),
+            DepthSource::Model(id) => made_by.insert(0, id),
+            DepthSource::Phone if document.own_map.is_some() && load.source == Source::Map => {
+                made_by.insert(0, "your map");
+            }
+            DepthSource::Phone => made_by.insert(0, "phone"),
+            DepthSource::Fused => made_by.insert(0, "phone"),
+            DepthSource::Network => {}
+        }
+        Ok(Made {
+            field: made.field,
+            depths: Some(made.depths),
+            made_by: made_by.join(" + "),
+            took_secs: made.took.as_secs_f64(),
+            of: Box::new(document.clone()),
+        })
+    }
+
+    fn load(&mut self, models: &ModelSource) -> Result<(), String> {
+        if self.nets.as_ref().is_none_or(|(have, _)| have != models) {
+            self.nets = None;
+            let nets = Synthesizer::load(models).map_err(|error| sentence(&error))?;
+            self.nets = Some((models.clone(), nets));
+        }
+        Ok(())
+    }
+
+    /// What the synthesis is asked for; a source that this photo or these models have not is the network.
+    fn params(&self, document: &Document, phone: Option<Arc<DisparityMap>>, load: &Load, job: &Job) -> SynthParams {
+        let base = SynthParams {
             long_side: load.long_side,
             occlusion: load.occlusion,
             threads: self.threads,
             disparity: None,
-            source,
+            source: DepthSource::Network,
             phone,
         };
-        let Some(nets) = &self.nets else { return Err("the nets are not there".to_owned()) };
-        let made = nets.synthesize(photo, &params, job).map_err(|error| sentence(&error))?;
-        let made_by = made.models.iter().map(|model| model.id.as_str()).collect::<Vec<_>>().join(" + ");
-        Ok(Made { field: made.field, depths: Some(made.depths), made_by, took_secs: made.took.as_secs_f64() })
+        match (&load.source, &document.own_map) {
+            (Source::Phone, _) if base.phone.is_some() => SynthParams { source: DepthSource::Phone, ..base },
+            (Source::Fused, _) if base.phone.is_some() => SynthParams { source: DepthSource::Fused, ..base },
+            (Source::Map, Some(own)) if own.is_exact => SynthParams { disparity: Some(Arc::clone(&own.map)), ..base },
+            (Source::Map, Some(own)) => {
+                SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(&own.map)), ..base }
+            }
+            (Source::Model(id), _) if load.models.relative_depth_models().contains(id) => {
+                SynthParams { source: DepthSource::Model(id.clone()), ..base }
+            }
+            (Source::Model(id), _) => {
+                job.sink.warning(format!("The model {id} is not in the models folder, so the network is used"));
+                base
+            }
+            _ => base,
+        }
     }
 }
 
@@ -80,7 +118,8 @@ fn of_views(field: &Arc<LightField>, document: &Document, job: &Job) -> Result<M
     let start = Instant::now();
     let made_by = document.made_by.clone();
     if let Some(depths) = document.depths.clone() {
-        return Ok(Made { field: Arc::clone(field), depths: Some(depths), made_by, took_secs: 0.0 });
+        let of = Box::new(document.clone());
+        return Ok(Made { field: Arc::clone(field), depths: Some(depths), made_by, took_secs: 0.0, of });
     }
     let map = document.reference.as_ref().filter(|map| map.size == field.size());
     let depths = match map {
@@ -88,32 +127,27 @@ fn of_views(field: &Arc<LightField>, document: &Document, job: &Job) -> Result<M
         None => sweep::ray_depths(field, job),
     };
     let depths = Some(Arc::new(depths.map_err(|error| sentence(&error))?));
-    Ok(Made { field: Arc::clone(field), depths, made_by, took_secs: secs_since(start) })
+    let of = Box::new(document.clone());
+    Ok(Made { field: Arc::clone(field), depths, made_by, took_secs: secs_since(start), of })
 }
 
 /// Lambertian views (paper, §3.2) of a photo whose depth is known.
-fn without_nets(photo: &Photo, map: &DisparityMap, long_side: u32, job: &Job) -> Result<Made, String> {
-    let start = Instant::now();
-    let told = |error: &dyn std::error::Error| sentence(error);
-    let grid = ViewGrid::PAPER;
-    let reference = Arc::new(reference_view(photo, long_side).map_err(|error| told(&error))?);
+fn without_nets(
+    photo: &Photo,
+    map: &DisparityMap,
+    document: &Document,
+    long_side: u32,
+    job: &Job,
+) -> Result<Made, String> {
+    let params = SynthParams { long_side, ..SynthParams::default() };
+    let reference = reference_view(photo, long_side).map_err(|error| sentence(&error))?;
     let map = upsample::to_guide(map, &reference);
-    let depths = Arc::new(lift::lifted(&map, grid, job).map_err(|error| told(&error))?);
-    job.sink.depths(&depths);
-    let signed = Signed::from_view(&reference);
-    let mut views = vec![Arc::clone(&reference); grid.count()];
-    for (done, at) in (1..).zip(grid.spiral()) {
-        let view = lambertian::render_view(&signed, depths.view(at), grid.offset(at)).map_err(|error| told(&error))?;
-        let view = if at == grid.reference() { Arc::clone(&reference) } else { Arc::new(view) };
-        job.sink.view(at, &view);
-        views[grid.layer_from_view(at)] = view;
-        job.advance(Stage::Warp, done, grid.count() as u32).map_err(|error| told(&error))?;
-    }
-    let field = Arc::new(LightField::new(grid, views).map_err(|error| told(&error))?);
+    let made = synthesize_from_map(photo, &map, &params, job).map_err(|error| sentence(&error))?;
     Ok(Made {
-        field,
-        depths: Some(depths),
+        field: made.field,
+        depths: Some(made.depths),
         made_by: "the picture's own depth".to_owned(),
-        took_secs: secs_since(start),
+        took_secs: made.took.as_secs_f64(),
+        of: Box::new(document.clone()),
     })
 }

@@ -1,6 +1,7 @@
 //! The light field on the device, and the pictures of it that the window shows.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use eframe::egui_wgpu::RenderState;
 use egui::TextureId;
@@ -104,9 +105,19 @@ impl Stage {
         }
     }
 
-    /// Uploads a frame's share; true while more waits.
-    pub fn upload_some(&mut self) -> bool {
-        self.field.as_mut().is_some_and(|field| field.upload_some(&self.gpu, Budget::default()))
+    /// Uploads a frame's share; true while more waits. `frame` is how long the last frame took.
+    pub fn upload_some(&mut self, frame: Duration) -> bool {
+        self.field.as_mut().is_some_and(|field| field.upload_some(&self.gpu, Budget::of_frame(frame)))
+    }
+
+    /// Whether something waits to be uploaded.
+    pub fn is_uploading(&self) -> bool {
+        self.field.as_ref().is_some_and(FieldTexture::is_waiting)
+    }
+
+    /// Grid and size of the views, once some are there.
+    pub fn shape(&self) -> Option<(ViewGrid, [u32; 2])> {
+        self.field.as_ref().filter(|field| field.views_arrived() > 0).map(|field| (field.grid(), field.size()))
     }
 
     /// Views that are on the device, and all of them.

@@ -6,6 +6,7 @@ use egui::{Rect, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
 use crate::field::{Lens, ViewPoint};
+use crate::recipe::Recipe;
 use crate::render::cpu::Colormap;
 
 /// What is done to the picture.
@@ -16,6 +17,31 @@ pub struct Edit {
     pub lens: Lens,
     /// Where the eye is.
     pub viewpoint: ViewPoint,
+    /// The place of the picture that was clicked to be sharp, x and y from 0 to 1; none once the focus was set by number.
+    pub focus_at: Option<[f32; 2]>,
+}
+
+impl Edit {
+    /// The edit that a recipe holds.
+    pub fn of_recipe(recipe: &Recipe) -> Self {
+        Self { lens: recipe.lens, viewpoint: recipe.viewpoint, focus_at: recipe.focus_at }
+    }
+
+    /// Puts the edit into a recipe; what else is in it stays.
+    pub fn put_into(&self, recipe: &mut Recipe) {
+        recipe.lens = self.lens;
+        recipe.viewpoint = self.viewpoint;
+        recipe.focus_at = self.focus_at;
+    }
+
+    /// The same edit for views of another width: disparities are in pixels.
+    pub fn scaled(mut self, factor: f32) -> Self {
+        let focus = &mut self.lens.focus;
+        focus.disparity_px *= factor;
+        focus.tilt_px = focus.tilt_px.map(|px| px * factor);
+        self.lens.keep_sharp_px = self.lens.keep_sharp_px.map(|px| px * factor);
+        self
+    }
 }
 
 /// The three faces of the canvas.
@@ -31,7 +57,7 @@ pub enum Face {
 }
 
 /// Where ray depths come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Source {
     /// The depth net.
     #[default]
@@ -40,6 +66,10 @@ pub enum Source {
     Phone,
     /// The phone's order and scale, the net's edges.
     Fused,
+    /// A map of one's own.
+    Map,
+    /// Another model of the models folder, by name.
+    Model(String),
 }
 
 /// Kept between runs.
@@ -66,6 +96,12 @@ pub struct Settings {
     pub export: super::export::ExportSettings,
     /// Whether the inspector is shown.
     pub has_inspector: bool,
+    /// Whether edits are kept beside their photos.
+    pub keeps_edits: bool,
+    /// Whether edges in focus are marked.
+    pub peaking: bool,
+    /// A folder of models to use instead of those in the program.
+    pub models_folder: Option<PathBuf>,
 }
 
 impl Default for Settings {
@@ -81,6 +117,9 @@ impl Default for Settings {
             edit: Edit::default(),
             export: super::export::ExportSettings::default(),
             has_inspector: true,
+            keeps_edits: true,
+            peaking: false,
+            models_folder: None,
         }
     }
 }

@@ -35,6 +35,8 @@ pub struct Palette {
     pub error: Color32,
     /// Bars of the histogram.
     pub bar: Color32,
+    /// Knobs of switches.
+    pub knob: Color32,
 }
 
 const AMBER: Color32 = Color32::from_rgb(0xE8, 0xA3, 0x3D);
@@ -54,6 +56,7 @@ pub const DARK: Palette = Palette {
     accent_text: AMBER,
     error: Color32::from_rgb(0xF0, 0x7A, 0x6A),
     bar: Color32::from_rgb(0x5A, 0x60, 0x6A),
+    knob: Color32::from_rgb(0xD6, 0xD8, 0xDC),
 };
 
 /// Light theme, with the same steps.
@@ -71,6 +74,7 @@ pub const LIGHT: Palette = Palette {
     accent_text: Color32::from_rgb(0x8A, 0x55, 0x00),
     error: Color32::from_rgb(0xB3, 0x2D, 0x1E),
     bar: Color32::from_rgb(0x9A, 0xA0, 0xAA),
+    knob: Color32::from_rgb(0xFF, 0xFF, 0xFF),
 };
 
 /// Veil behind text that lies on a picture, and behind dialogs.
@@ -81,6 +85,8 @@ pub const ON_VEIL: Color32 = Color32::from_rgb(0xF4, 0xF5, 0xF6);
 pub const HAIR: Color32 = Color32::from_rgba_premultiplied(150, 150, 150, 150);
 /// The rim of cross-hairs.
 pub const HAIR_RIM: Color32 = Color32::from_black_alpha(90);
+/// Edges in focus: a colour that flowers seldom have.
+pub const PEAK: Color32 = Color32::from_rgb(0x35, 0xE0, 0xFF);
 /// A picture as it is: egui's tint that changes nothing.
 pub const AS_IS: Color32 = Color32::WHITE;
 

@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use egui::{Align2, Context, Frame, Margin, RichText, vec2};
+use egui::{Align2, Context, Frame, Margin, RichText};
 
-use super::app::now;
+use super::progress::now;
 use super::{theme, widgets};
 
 /// How long what is done is shown.
 const SHOWN_SECS: f64 = 6.0;
+/// Room for a sentence.
+const WIDTH: f32 = 460.0;
 /// More than this are not shown at once.
 const MOST: usize = 4;
 
@@ -61,15 +63,16 @@ impl Toasts {
         self.shown.drain(..over);
     }
 
-    /// Draws them over everything.
-    pub fn show(&mut self, ctx: &Context) {
+    /// Draws them over everything, the last one with its lower left corner at a place.
+    pub fn show(&mut self, ctx: &Context, place: egui::Pos2) {
         self.shown.retain(|toast| toast.is_error || now() - toast.since_secs < SHOWN_SECS);
         if self.shown.is_empty() {
             return;
         }
         ctx.request_repaint_after(std::time::Duration::from_millis(500));
-        let area = egui::Area::new(egui::Id::unique("toasts")).anchor(Align2::LEFT_BOTTOM, vec2(22.0, -44.0));
+        let area = egui::Area::new(egui::Id::unique("toasts")).pivot(Align2::LEFT_BOTTOM).fixed_pos(place);
         area.order(egui::Order::Foreground).show(ctx, |ui| {
+            ui.set_max_width(WIDTH);
             let mut closed = None;
             for (index, toast) in self.shown.iter_mut().enumerate() {
                 if one(ui, toast) {
@@ -95,7 +98,7 @@ fn one(ui: &mut egui::Ui, toast: &mut Toast) -> bool {
         .inner_margin(Margin::symmetric(14, 10))
         .shadow(egui::Shadow { offset: [0, 4], blur: 16, spread: 0, color: theme::HAIR_RIM });
     frame.show(ui, |ui| {
-        ui.set_max_width(460.0);
+        ui.set_max_width(WIDTH);
         ui.label(RichText::new(&toast.text).color(colors.strong));
         if toast.shows_details
             && let Some(details) = &toast.details
@@ -124,7 +127,7 @@ fn one(ui: &mut egui::Ui, toast: &mut Toast) -> bool {
 }
 
 /// Opens the file's folder in the system's file manager. Nothing is waited for.
-fn show_in_folder(path: &Path) {
+pub fn show_in_folder(path: &Path) {
     let folder = path.parent().unwrap_or(path);
     let opener = if cfg!(target_os = "macos") {
         "open"

@@ -186,6 +186,28 @@ pub fn slider(ui: &mut Ui, label: &str, place: &mut f32, reset: f32) -> Response
     response.on_hover_cursor(CursorIcon::PointingHand)
 }
 
+/// A named thing that is on or off. True when it changed.
+pub fn switch(ui: &mut Ui, label: &str, is_on: &mut bool, hint: &str) -> bool {
+    let colors = theme::palette(ui.ctx());
+    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::click());
+    if response.clicked() {
+        *is_on = !*is_on;
+    }
+    let is_lit = response.hovered() || response.has_focus();
+    let color = if is_lit { colors.strong } else { colors.text };
+    ui.painter().text(row.left_center(), Align2::LEFT_CENTER, label, theme::text(), color);
+    let track = Rect::from_center_size(row.right_center() - vec2(14.0, 0.0), vec2(26.0, 14.0));
+    let place = ui.ctx().animate_bool(response.id, *is_on);
+    ui.painter().rect_filled(track, 7, colors.control.lerp_to_gamma(colors.accent, place));
+    let knob = pos2(egui::lerp(track.left() + 7.0..=track.right() - 7.0, place), track.center().y);
+    ui.painter().circle_filled(knob, 5.0, if is_lit { colors.strong } else { colors.knob });
+    let now = *is_on;
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, now, label));
+    let is_changed = response.clicked();
+    response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(hint);
+    is_changed
+}
+
 /// A section of the inspector: head, something beside it, and a body that folds away with a click on the head.
 pub fn section(ui: &mut Ui, title: &str, beside: impl FnOnce(&mut Ui), body: impl FnOnce(&mut Ui)) {
     let colors = theme::palette(ui.ctx());
@@ -231,6 +253,13 @@ pub fn picture(painter: &egui::Painter, id: egui::TextureId, rect: Rect, uv: Rec
 
 /// The whole of a texture.
 pub const WHOLE: Rect = Rect { min: egui::Pos2::ZERO, max: pos2(1.0, 1.0) };
+
+/// The middle of a picture that fills a cell without being squeezed.
+pub fn covering(picture: Vec2, cell: Vec2) -> Rect {
+    let (wide, room) = (picture.x / picture.y, cell.x / cell.y);
+    let cut = if wide > room { vec2((1.0 - room / wide) / 2.0, 0.0) } else { vec2(0.0, (1.0 - wide / room) / 2.0) };
+    WHOLE.shrink2(cut)
+}
 
 /// A line that shows on anything: light on a dark rim.
 pub fn hair_line(painter: &egui::Painter, from: egui::Pos2, to: egui::Pos2) {

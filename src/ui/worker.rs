@@ -44,6 +44,14 @@ pub enum Event {
     Final(Box<(super::finals::Key, Arc<TileSet>)>),
     /// A file was written.
     Saved(PathBuf),
+    /// Edges in focus.
+    Peaks(Box<super::peaking::Peaks>),
+    /// A small picture of a recent file.
+    Thumbnail(PathBuf, Arc<egui::ColorImage>),
+    /// Further models that ray depths can come from, by name.
+    Models(Vec<String>),
+    /// The file was there already and was left as it is.
+    Skipped(PathBuf),
     /// A picture for the clipboard.
     Copied(Arc<Picture>),
     /// Where a dialog led.
@@ -152,6 +160,17 @@ impl<R: Send + 'static> Worker<R> {
     pub fn stop(&self) {
         self.shared.lock().stop();
     }
+
+    /// Stops one request. True if it had not begun: then no event will come of it.
+    pub fn cancel(&self, job: JobId) -> bool {
+        let mut inner = self.shared.lock();
+        let before = inner.waiting.len();
+        inner.waiting.retain(|(waiting, ..)| *waiting != job);
+        if let Some((_, cancel)) = inner.running.as_ref().filter(|(running, _)| *running == job) {
+            cancel.cancel();
+        }
+        inner.waiting.len() < before
+    }
 }
 
 impl<R> Inner<R> {
@@ -222,6 +241,29 @@ mod tests {
         let third = worker.replace("third");
         let got: Vec<_> = events.iter().take(2).map(|(job, event)| (job, format!("{event:?}"))).collect();
         assert_eq!(got, [(first, "Warning(\"first\")".to_owned()), (third, "Warning(\"third\")".to_owned())]);
+    }
+
+    #[test]
+    fn one_request_is_stopped_and_the_others_go_on() {
+        let (outbox, events) = outbox();
+        let (started, has_started) = sync_channel(1);
+        let worker = Worker::spawn("queue", outbox, move |job, name: &'static str, cancel: &Cancel, out: &Outbox| {
+            if name == "first" {
+                started.send(()).unwrap();
+                while !cancel.is_cancelled() {
+                    std::thread::yield_now();
+                }
+            }
+            out.send(job, Event::Warning(name.to_owned()));
+        });
+        let first = worker.push("first");
+        let second = worker.push("second");
+        let third = worker.push("third");
+        has_started.recv().unwrap();
+        assert!(worker.cancel(second), "it had not begun");
+        assert!(!worker.cancel(first), "it had");
+        let got: Vec<_> = events.iter().take(2).map(|(job, _)| job).collect();
+        assert_eq!(got, [first, third]);
     }
 
     #[test]

@@ -53,6 +53,18 @@ impl Layout {
         let views = grid.views().map(|at| Arc::clone(field.view(self.source(at, stored)))).collect();
         LightField::new(grid, views).unwrap_or_else(|_same_views| field.clone())
     }
+
+    /// The light field as it was before [`apply`](Self::apply).
+    pub fn undo(self, laid_out: &LightField) -> LightField {
+        let grid = laid_out.grid();
+        let (rows, cols) = if self.transposed { (grid.cols(), grid.rows()) } else { (grid.rows(), grid.cols()) };
+        let stored = ViewGrid::new(rows, cols).unwrap_or(grid);
+        let mut views = laid_out.views().to_vec();
+        for at in grid.views() {
+            views[stored.layer_from_view(self.source(at, stored))] = Arc::clone(laid_out.view(at));
+        }
+        LightField::new(stored, views).unwrap_or_else(|_same_views| laid_out.clone())
+    }
 }
 
 impl std::fmt::Display for Layout {
@@ -203,6 +215,16 @@ pub(crate) mod tests {
         assert_ne!(wound, truth);
         let best = better_than_stored(&wound).unwrap();
         assert_eq!(best.layout.apply(&wound), truth);
+    }
+
+    #[test]
+    fn what_was_laid_out_can_be_undone() {
+        let stored = scene(3, 5, [24, 18]);
+        for n in 0..16u8 {
+            let bit = |k: u8| n >> k & 1 == 1;
+            let layout = Layout { serpentine: bit(0), transposed: bit(1), flip_v: bit(2), flip_u: bit(3) };
+            assert_eq!(layout.undo(&layout.apply(&stored)), stored, "{layout:?}");
+        }
     }
 
     #[test]

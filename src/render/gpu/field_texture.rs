@@ -27,10 +27,29 @@ impl Budget {
     pub const ALL: Self = Self { bytes: usize::MAX, time: Duration::MAX };
 }
 
+impl Budget {
+    /// A share of a frame that took so long: where frames are slow anyway, waiting for layers is what is felt.
+    pub fn of_frame(frame: Duration) -> Self {
+        let usual = Self::default();
+        let time = usual.time.max(frame / 4);
+        let growth = time.as_secs_f32() / usual.time.as_secs_f32();
+        Self { bytes: (usual.bytes as f32 * growth) as usize, time }
+    }
+}
+
 #[derive(Debug)]
 enum Layer {
     View(ViewIndex, Arc<View>),
     Depth(ViewIndex, Arc<RayDepths>),
+}
+
+impl Layer {
+    fn is_same_place(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::View(a, _), Self::View(b, _)) | (Self::Depth(a, _), Self::Depth(b, _)) => a == b,
+            _ => false,
+        }
+    }
 }
 
 /// Views (sRGB) and ray depths as texture layers, `layer = v · cols + u`, split in two where there are more layers than
@@ -44,7 +63,10 @@ pub struct FieldTexture {
     depths: [wgpu::Texture; 2],
     views_arrived: Vec<bool>,
     depths_arrived: Vec<bool>,
+    /// What is seen at once: views, and the ray depths of the reference view.
     waiting: VecDeque<Layer>,
+    /// What can wait: the other ray depths.
+    later: VecDeque<Layer>,
     changes: u64,
 }
 
@@ -66,6 +88,7 @@ impl FieldTexture {
             views_arrived: vec![false; grid.count()],
             depths_arrived: vec![false; grid.count()],
             waiting: VecDeque::new(),
+            later: VecDeque::new(),
             changes: 0,
             grid,
             size,
@@ -94,10 +117,10 @@ impl FieldTexture {
         self.size
     }
 
-    /// Queues one view; a view that comes again replaces the older one.
+    /// Queues one view; a view that comes again replaces the older one, in its place of the queue if it still waits.
     pub fn push_view(&mut self, at: ViewIndex, view: &Arc<View>) {
         if view.size() == self.size {
-            self.waiting.push_back(Layer::View(at, Arc::clone(view)));
+            queue(&mut self.waiting, Layer::View(at, Arc::clone(view)));
         }
     }
 
@@ -108,10 +131,20 @@ impl FieldTexture {
         }
     }
 
-    /// Queues all ray depths, from the middle outward.
+    /// Queues all ray depths, from the middle outward; those of the reference view go first, the others after the views.
     pub fn push_depths(&mut self, depths: &Arc<RayDepths>) {
-        if depths.size() == self.size && depths.grid() == self.grid {
-            self.waiting.extend(self.grid.spiral().into_iter().map(|at| Layer::Depth(at, Arc::clone(depths))));
+        if depths.size() != self.size || depths.grid() != self.grid {
+            return;
+        }
+        self.later.clear();
+        for at in self.grid.spiral() {
+            let layer = Layer::Depth(at, Arc::clone(depths));
+            if at == self.grid.reference() {
+                self.waiting.retain(|waiting| !waiting.is_same_place(&layer));
+                self.waiting.push_front(layer);
+            } else {
+                self.later.push_back(layer);
+            }
         }
     }
 
@@ -119,14 +152,19 @@ impl FieldTexture {
     pub fn upload_some(&mut self, gpu: &Gpu, budget: Budget) -> bool {
         let start = Instant::now();
         let mut bytes = 0;
-        while let Some(layer) = self.waiting.pop_front() {
+        while let Some(layer) = self.waiting.pop_front().or_else(|| self.later.pop_front()) {
             bytes += self.upload(gpu, &layer);
             self.changes += 1;
             if bytes >= budget.bytes || start.elapsed() >= budget.time {
                 break;
             }
         }
-        !self.waiting.is_empty()
+        self.is_waiting()
+    }
+
+    /// Whether layers wait to be uploaded.
+    pub fn is_waiting(&self) -> bool {
+        !self.waiting.is_empty() || !self.later.is_empty()
     }
 
     fn upload(&mut self, gpu: &Gpu, layer: &Layer) -> usize {
@@ -205,6 +243,14 @@ impl FieldTexture {
             })
         };
         [&self.views[0], &self.views[1], &self.depths[0], &self.depths[1]].map(array)
+    }
+}
+
+/// Puts a layer behind those that wait, or in the place of its older self.
+fn queue(waiting: &mut VecDeque<Layer>, layer: Layer) {
+    match waiting.iter_mut().find(|waiting| waiting.is_same_place(&layer)) {
+        Some(older) => *older = layer,
+        None => waiting.push_back(layer),
     }
 }
 

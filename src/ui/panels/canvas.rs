@@ -2,7 +2,7 @@
 
 use egui::{Align2, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 
-use crate::field::{ViewOffset, ViewPoint};
+use crate::field::ViewOffset;
 use crate::render::gpu::Draw;
 use crate::ui::app::App;
 use crate::ui::stage::{Slot, Stage};
@@ -76,6 +76,7 @@ pub fn focus_at(app: &mut App, at: Pos2, rect: Rect) {
     if let Some(disparity) = app.document.disparity_at(view, [place.x, place.y]) {
         let tilt = app.edit.lens.focus.at(place.x, place.y) - app.edit.lens.focus.disparity_px;
         app.edit.lens.focus.disparity_px = disparity - tilt;
+        app.edit.focus_at = app.document.place_in_reference(view, [place.x, place.y], disparity);
     }
 }
 
@@ -94,7 +95,7 @@ pub fn probe(app: &mut App, response: &Response, rect: Rect) {
 fn paint(app: &mut App, ui: &Ui, canvas: Rect, rect: Rect) {
     let painter = ui.painter_at(canvas.intersect(rect));
     let holds_photo = ui.input(|input| input.key_down(Key::Backslash)) && app.document.photo.is_some();
-    let is_photo_itself = app.edit.lens.f_number.added_views() == 0.0 && app.edit.viewpoint == ViewPoint::default();
+    let is_photo_itself = app.shows_photo_itself();
     let is_complete = app.stage.as_ref().and_then(Stage::arrived).is_some_and(|(have, all)| have == all);
     let shows_field = is_complete && !holds_photo && !(is_photo_itself && app.photo.is_some());
     let opacity = ui.ctx().animate_bool_with_time(ui.scope_id().with("field"), shows_field, FADE_SECS);
@@ -112,6 +113,9 @@ fn paint(app: &mut App, ui: &Ui, canvas: Rect, rect: Rect) {
         }
         paint_field(app, ui, &after, rect, if has_photo { opacity } else { 1.0 });
     }
+    if let Some(peaks) = app.peaks().filter(|_| !holds_photo) {
+        painter.image(peaks.id(), rect, widgets::WHOLE, theme::AS_IS);
+    }
     if app.is_before_after && has_photo {
         split_line(app, ui, canvas);
     }
@@ -123,9 +127,7 @@ fn paint_field(app: &mut App, ui: &Ui, painter: &egui::Painter, rect: Rect, opac
     // While the hand moves the draft is drawn; the part at rest lies over it where it is what is asked for.
     paint_draft(app, painter, rect, opacity);
     if opacity >= 1.0
-        && let (Some((have, tiled)), Some(key)) = (&mut app.at_rest, key)
-        && have.lens == key.lens
-        && have.generation == key.generation
+        && let Some((have, tiled)) = key.and_then(|key| app.rest.picture(key))
     {
         tiled.paint(painter, have.on_screen(rect));
     }

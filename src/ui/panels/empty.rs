@@ -1,11 +1,19 @@
 //! Nothing is open: one sentence, one drop target, and the ways in. And the veil while a file is dragged over.
 
-use egui::{Align, Align2, Layout, Rect, RichText, StrokeKind, Ui, UiBuilder, vec2};
+use std::path::Path;
+
+use egui::{Align, Align2, CursorIcon, Layout, Rect, RichText, Sense, StrokeKind, Ui, UiBuilder, Vec2, vec2};
 
 use crate::ui::action::Action;
 use crate::ui::app::App;
 use crate::ui::jobs::From;
 use crate::ui::{theme, widgets};
+
+/// Recent files that are shown.
+const MOST_RECENT: usize = 5;
+/// A recent file's picture with its name under it.
+const CARD: Vec2 = vec2(128.0, 108.0);
+const GAP: f32 = 12.0;
 
 /// Draws the empty canvas.
 pub fn show(app: &mut App, ui: &mut Ui) {
@@ -13,9 +21,9 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     let colors = theme::palette(ui.ctx());
     let ctx = ui.ctx().clone();
     dashed(ui, area);
-    let recent: Vec<_> = app.settings.recent.iter().take(5).cloned().collect();
-    let height = 150.0 + if recent.is_empty() { 0.0 } else { 40.0 + recent.len() as f32 * 24.0 };
-    let middle = Rect::from_center_size(area.center(), vec2(area.width().min(520.0), height));
+    let recent: Vec<_> = app.settings.recent.iter().take(MOST_RECENT).cloned().collect();
+    let height = 150.0 + if recent.is_empty() { 0.0 } else { 60.0 + CARD.y };
+    let middle = Rect::from_center_size(area.center(), vec2(area.width().min(720.0), height));
     let builder = UiBuilder::new().max_rect(middle).layout(Layout::top_down(Align::Center));
     ui.scope_builder(builder, |ui| {
         ui.label(RichText::new("Drop a photo to look into it").font(theme::title(24.0)).color(colors.strong));
@@ -42,14 +50,41 @@ pub fn show(app: &mut App, ui: &mut Ui) {
             ui.label(RichText::new("Recent").font(theme::head()).color(colors.weak));
             ui.add_space(4.0);
         }
-        for path in recent {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            let button = egui::Button::new(RichText::new(name).color(colors.text)).frame(false);
-            if ui.add(button).on_hover_text(path.display().to_string()).clicked() {
-                app.open(From::File(path));
+        let width = recent.len() as f32 * (CARD.x + GAP) - GAP;
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = GAP;
+            ui.add_space((ui.available_width() - width).max(0.0) / 2.0);
+            for path in &recent {
+                if card(app, ui, path) {
+                    app.open(From::File(path.clone()));
+                }
             }
-        }
+        });
     });
+}
+
+/// A recent file: its small picture and its name. True once it is clicked.
+fn card(app: &App, ui: &mut Ui, path: &Path) -> bool {
+    let colors = theme::palette(ui.ctx());
+    let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let picture = Rect::from_min_size(rect.min, vec2(CARD.x, CARD.y - 22.0));
+    ui.painter().rect_filled(picture, theme::RADIUS, colors.panel);
+    if let Some((_, texture)) = app.thumbnails.iter().find(|(of, _)| of == path) {
+        let uv = widgets::covering(texture.size_vec2(), picture.size());
+        widgets::picture(ui.painter(), texture.id(), picture, uv, 1.0);
+    }
+    let is_lit = response.hovered() || response.has_focus();
+    if is_lit {
+        ui.painter().rect_stroke(picture, theme::PICTURE_RADIUS, (1.5, colors.strong), StrokeKind::Outside);
+    }
+    let color = if is_lit { colors.strong } else { colors.weak };
+    let mut job = egui::text::LayoutJob::simple_singleline(name.clone(), theme::small(), color);
+    job.wrap = egui::text::TextWrapping::truncate_at_width(CARD.x);
+    let galley = ui.painter().layout_job(job);
+    ui.painter().galley(rect.center_bottom() - vec2(galley.size().x / 2.0, 16.0), galley, color);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name.clone()));
+    response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(path.display().to_string()).clicked()
 }
 
 fn dashed(ui: &Ui, area: Rect) {

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
 
-use crate::field::{EpiLine, ViewIndex};
+use crate::field::{EpiLine, ViewGrid, ViewIndex};
 use crate::render::gpu::Draw;
 use crate::ui::app::App;
 use crate::ui::stage::Slot;
@@ -17,12 +17,12 @@ pub fn show(app: &mut App, ui: &Ui, [row, column, corner]: [Rect; 3]) {
     for rect in [row, column, corner] {
         ui.painter().rect_filled(rect, theme::PICTURE_RADIUS, colors.panel);
     }
-    let (Some(size), Some(view), Some(field)) = (app.picture_size(), app.nearest_view(), app.document.field.clone())
-    else {
+    // What has arrived is shown before the light field is complete.
+    let arrived = app.stage.as_ref().and_then(|stage| stage.shape());
+    let (Some(size), Some(view), Some((grid, [w, h]))) = (app.picture_size(), app.nearest_view(), arrived) else {
         return;
     };
     let picture = app.pose.screen_rect(app.canvas, size);
-    let [w, h] = field.size();
     let inside = |p: f32, n: u32| ((p * n as f32) as u32).min(n - 1);
     let (x, y) = (inside(app.probe.x, w), inside(app.probe.y, h));
     let lines = [
@@ -36,7 +36,7 @@ pub fn show(app: &mut App, ui: &Ui, [row, column, corner]: [Rect; 3]) {
         widgets::picture(ui.painter(), id, on_screen, uv, 1.0);
     }
     let disparity = app.document.disparity_at(view, [app.probe.x, app.probe.y]);
-    slope_lines(app, ui, [row, column], picture, view, disparity);
+    slope_lines(app, ui, [row, column], picture, (grid, w, view), disparity);
     let photo_line = |p: f32, n: f32| (p * n) as u32;
     widgets::veil_label(
         ui,
@@ -70,11 +70,17 @@ fn in_line(strip: Rect, picture: Rect, is_row: bool) -> (Rect, Rect) {
 }
 
 /// The probe's point as it runs through the views: `x_u = x − (u − u0)·D` ([`crate::field`]).
-fn slope_lines(app: &App, ui: &Ui, [row, column]: [Rect; 2], picture: Rect, view: ViewIndex, disparity: Option<f32>) {
-    let (Some(field), Some(disparity)) = (&app.document.field, disparity) else { return };
-    let grid = field.grid();
+fn slope_lines(
+    app: &App,
+    ui: &Ui,
+    [row, column]: [Rect; 2],
+    picture: Rect,
+    (grid, width, view): (ViewGrid, u32, ViewIndex),
+    disparity: Option<f32>,
+) {
+    let Some(disparity) = disparity else { return };
     let at = picture.min + app.probe * picture.size();
-    let per_px = picture.width() / field.size()[0] as f32;
+    let per_px = picture.width() / width as f32;
     let along = |center: f32, steps: f32| center - steps * disparity * per_px;
     let accent = theme::palette(ui.ctx()).accent;
     let line = |painter: &Painter, from, to| {

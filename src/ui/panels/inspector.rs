@@ -2,13 +2,14 @@
 
 use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
+use super::source;
 use crate::field::{FNumber, LensShape, ViewGrid, ViewIndex};
 use crate::render::cpu::Colormap;
 use crate::render::gpu::Draw;
 use crate::ui::action::Action;
 use crate::ui::app::App;
 use crate::ui::stage::Slot;
-use crate::ui::state::{Edit, Source};
+use crate::ui::state::Edit;
 use crate::ui::theme::{self, GRID};
 use crate::ui::widgets::{self, Number};
 
@@ -27,11 +28,12 @@ pub fn show(app: &mut App, ui: &mut Ui) {
                 lens(app, ui);
                 viewpoint(app, ui);
                 ray_depths(app, ui);
-                source(app, ui);
-                light_field(app, ui);
+                source::source(app, ui);
+                source::light_field(app, ui);
             });
         });
     });
+    ui.painter().hline(strip.x_range().shrink(16.0), strip.top(), (1.0, theme::palette(ui.ctx()).control));
     super::inside(ui, strip, |ui| super::strip::show(app, ui));
 }
 
@@ -39,6 +41,7 @@ fn lens(app: &mut App, ui: &mut Ui) {
     let lens = &mut app.edit.lens;
     let shape_now = lens.shape;
     let mut shape = shape_now;
+    let peaking = &mut app.settings.peaking;
     widgets::section(
         ui,
         "Lens",
@@ -48,6 +51,7 @@ fn lens(app: &mut App, ui: &mut Ui) {
             ui.add_space(GRID);
             focus(ui, lens);
             shape_numbers(ui, &mut lens.shape);
+            widgets::switch(ui, "Focus peaking", peaking, &Action::Peaking.tip(ui.ctx()));
         },
     );
     if shape != shape_now {
@@ -175,15 +179,16 @@ fn focus(ui: &mut Ui, lens: &mut crate::field::Lens) {
     let [across, down] = &mut lens.focus.tilt_px;
     widgets::number(ui, across, &tilt("Tilt across", "Focal plane: growth from the left edge to the right"));
     widgets::number(ui, down, &tilt("Tilt down", "Focal plane: growth from the upper edge to the lower"));
-    let mut percent = lens.highlights * 100.0;
-    let highlights = Number {
-        speed: 0.5,
-        decimals: 0,
-        suffix: " %",
-        ..number("Highlights", [0.0, 100.0], "Brightens clipped lights before they are blurred (photo size)")
-    };
-    if widgets::number(ui, &mut percent, &highlights) {
-        lens.highlights = percent / 100.0;
+    let shares = [
+        (&mut lens.highlights, "Highlights", "Brightens clipped lights before they are blurred (at photo size)"),
+        (&mut lens.grain, "Grain", "Puts the photo's own grain back into what is blurred (at photo size)"),
+    ];
+    for (share, label, hint) in shares {
+        let mut percent = *share * 100.0;
+        let spec = Number { speed: 0.5, decimals: 0, suffix: " %", ..number(label, [0.0, 100.0], hint) };
+        if widgets::number(ui, &mut percent, &spec) {
+            *share = percent / 100.0;
+        }
     }
 }
 
@@ -372,59 +377,6 @@ pub(super) fn colormap_menu(ui: &mut Ui, map: &mut Colormap) {
                 ui.close();
             }
         }
-    });
-}
-
-fn source(app: &mut App, ui: &mut Ui) {
-    if app.document.is_from_disk() {
-        return;
-    }
-    let has_phone = app.document.phone.is_some();
-    let mut source = if has_phone { app.settings.source } else { Source::Network };
-    let mut is_changed = false;
-    widgets::section(
-        ui,
-        "Source",
-        |_| {},
-        |ui| {
-            if has_phone {
-                let choices = [(Source::Network, "Network"), (Source::Phone, "Phone"), (Source::Fused, "Fused")];
-                is_changed = widgets::segmented(ui, "Source", &mut source, &choices);
-            } else {
-                row(ui, "Ray depths by", "network");
-            }
-        },
-    );
-    if is_changed {
-        app.settings.source = source;
-        app.make_again();
-    }
-}
-
-fn light_field(app: &mut App, ui: &mut Ui) {
-    let Some(field) = app.document.field.clone() else { return };
-    let (grid, [w, h]) = (field.grid(), field.size());
-    widgets::section(
-        ui,
-        "Light field",
-        |_| {},
-        |ui| {
-            row(ui, &format!("{} × {} views", grid.cols(), grid.rows()), &format!("{w} × {h}"));
-            row(ui, "Made by", &app.document.made_by);
-            if app.document.took_secs > 0.0 && !app.document.is_from_disk() {
-                row(ui, "Took", &format!("{:.1} s", app.document.took_secs));
-            }
-        },
-    );
-}
-
-fn row(ui: &mut Ui, name: &str, value: &str) {
-    let colors = theme::palette(ui.ctx());
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(name).color(colors.weak));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.add(egui::Label::new(RichText::new(value).color(colors.strong)).truncate());
-        });
     });
 }
 

@@ -18,10 +18,11 @@ pub fn show(ctx: &Context) -> bool {
             for (keys, what) in MOUSE {
                 line(&mut columns[0], what, keys);
             }
-            for (column, groups) in [(0, &["Viewpoint", "Edit", "Help"][..]), (1, &["View", "File"][..])] {
+            let layout = [(0, &["Edit", "Viewpoint", "Light field", "Help"][..]), (1, &["View", "File"][..])];
+            for (column, groups) in layout {
                 for group in groups {
                     head(&mut columns[column], group);
-                    for action in Action::ALL.into_iter().filter(|action| action.spec().group == *group) {
+                    for action in Action::of_group(group) {
                         let spec = action.spec();
                         if let Some(keys) = spec.shortcut {
                             line(&mut columns[column], spec.label, &ctx.format_shortcut(&keys));

@@ -2,21 +2,44 @@
 
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
-use crate::ui::app::{App, Running, now};
+use crate::ui::action::Action;
+use crate::ui::app::App;
+use crate::ui::progress::Running;
+use crate::ui::queue::State;
 use crate::ui::state::Pose;
 use crate::ui::theme;
 
 /// Draws the line.
-pub fn show(app: &App, ui: &Ui) {
+pub fn show(app: &mut App, ui: &Ui) {
     let rect = ui.max_rect().shrink2(vec2(14.0, 0.0));
     let colors = theme::palette(ui.ctx());
     let y = rect.center().y;
     let mut x = rect.left();
-    for running in [&app.loading, &app.saving].into_iter().flatten() {
-        x = job(ui, running, pos2(x, y)) + 24.0;
-        ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
+    if let Some(running) = &app.loading {
+        x = job(ui, running, None, pos2(x, y)) + 24.0;
     }
-    if app.loading.is_none() && app.saving.is_none() {
+    if let Some(task) = app.queue.current() {
+        let start = x;
+        x = match &task.state {
+            State::Running(running) => job(ui, running, Some(&task.title), pos2(x, y)),
+            _ => ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, &task.title, theme::small(), colors.weak).right(),
+        };
+        let others = app.queue.open_count() - 1;
+        if others > 0 {
+            let text = format!("· {others} more");
+            x = ui.painter().text(pos2(x + 6.0, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak).right();
+        }
+        let all = Rect::from_x_y_ranges(start..=x, rect.y_range());
+        let response = ui.interact(all, ui.scope_id().with("queue"), egui::Sense::click());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Queue"));
+        let response = response.on_hover_cursor(egui::CursorIcon::PointingHand);
+        if response.on_hover_text(Action::Queue.tip(ui.ctx())).clicked() {
+            app.is_queue_open = !app.is_queue_open;
+        }
+    }
+    if app.is_busy() {
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
+    } else {
         let text = idle_text(app);
         ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak);
     }
@@ -46,22 +69,15 @@ fn idle_text(app: &App) -> &'static str {
 }
 
 /// A job with its bar; returns where it ends.
-fn job(ui: &Ui, running: &Running, at: egui::Pos2) -> f32 {
+fn job(ui: &Ui, running: &Running, title: Option<&str>, at: egui::Pos2) -> f32 {
     let colors = theme::palette(ui.ctx());
-    let label = match running.progress {
-        Some(progress) if progress.total > 1 => {
-            format!("{} · {} of {}", progress.stage.label(), progress.done, progress.total)
-        }
-        Some(progress) => progress.stage.label().to_owned(),
-        None => "Opening".to_owned(),
-    };
+    let label = title.map_or_else(|| running.label(), |title| format!("{title} · {}", running.label()));
     let text = ui.painter().text(at, Align2::LEFT_CENTER, label, theme::small(), colors.text);
     let bar = Rect::from_min_size(pos2(text.right() + 16.0, at.y - 1.5), vec2(160.0, 3.0));
-    let share = running.progress.map_or(0.0, |p| p.done as f32 / p.total.max(1) as f32);
     ui.painter().rect_filled(bar, 2, colors.control);
-    let done = Rect::from_min_size(bar.min, vec2(bar.width() * share.clamp(0.0, 1.0), bar.height()));
+    let done = Rect::from_min_size(bar.min, vec2(bar.width() * running.share(), bar.height()));
     ui.painter().rect_filled(done, 2, colors.accent);
-    let time = format!("{:.1} s · Esc stops", now() - running.since_secs);
+    let time = format!("{} · Esc stops", running.time());
     let at = pos2(bar.right() + 16.0, at.y);
     ui.painter().text(at, Align2::LEFT_CENTER, time, theme::small(), colors.weak).right()
 }

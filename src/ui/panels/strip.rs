@@ -11,7 +11,7 @@ use crate::ui::{theme, widgets};
 /// Draws the strip.
 pub fn show(app: &mut App, ui: &mut Ui) {
     let Some(grid) = app.document.grid() else { return };
-    let rect = ui.max_rect().shrink2(vec2(16.0, 8.0));
+    let rect = ui.max_rect().shrink2(vec2(16.0, 10.0));
     let colors = theme::palette(ui.ctx());
     let top = rect.top() + 6.0;
     ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, "Views", theme::head(), colors.weak);
@@ -76,8 +76,5 @@ pub fn view_cell(app: &mut App, ui: &Ui, grid: ViewGrid, view: ViewIndex, rect: 
 /// The part of a view that fills a cell without being squeezed.
 fn cover(app: &App, rect: Rect) -> Rect {
     let Some(size) = app.picture_size() else { return widgets::WHOLE };
-    let (cell, picture) = (rect.width() / rect.height(), size.x / size.y);
-    let cut =
-        if picture > cell { vec2((1.0 - cell / picture) / 2.0, 0.0) } else { vec2(0.0, (1.0 - picture / cell) / 2.0) };
-    widgets::WHOLE.shrink2(cut)
+    widgets::covering(size, rect.size())
 }

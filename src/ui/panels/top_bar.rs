@@ -1,101 +1,131 @@
 //! The top bar: menu, Open, what is open, the three faces, before/after, Export.
 
-use egui::{Align, Layout, RichText, Ui, UiBuilder, vec2};
+use egui::{Align, Layout, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use crate::ui::action::Action;
 use crate::ui::app::App;
 use crate::ui::state::Face;
 use crate::ui::{theme, widgets};
 
+/// Width of the three faces.
+const FACES_WIDTH: f32 = 252.0;
+/// Narrower than this, what the menu has as well goes.
+const TIGHT_WIDTH: f32 = 820.0;
+const TINY_WIDTH: f32 = 700.0;
+const GAP: f32 = 12.0;
+
 /// Draws the bar.
 pub fn show(app: &mut App, ui: &mut Ui, is_narrow: bool) {
     let rect = ui.max_rect().shrink2(vec2(14.0, 0.0));
-    let colors = theme::palette(ui.ctx());
-    let ctx = ui.ctx().clone();
     let has_picture = app.picture_size().is_some();
-    let row = |layout| UiBuilder::new().max_rect(rect).layout(layout);
-
-    let mut left_end = rect.left();
-    ui.scope_builder(row(Layout::left_to_right(Align::Center)), |ui| {
-        ui.spacing_mut().item_spacing.x = 12.0;
-        menu(app, ui);
-        if widgets::button(ui, "Open…").on_hover_text(Action::Open.tip(&ctx)).clicked() {
-            app.apply(Action::Open, &ctx);
-        }
-        left_end = ui.cursor().left();
-        if has_picture {
-            let room = (rect.width() / 2.0 - 150.0 - (left_end - rect.left())).max(60.0);
-            ui.allocate_ui_with_layout(vec2(room, 26.0), Layout::left_to_right(Align::Center), |ui| {
-                ui.add(egui::Label::new(RichText::new(&app.document.name).color(colors.strong)).truncate());
-                if !is_narrow {
-                    ui.add(egui::Label::new(RichText::new(&app.document.facts).color(colors.weak)).truncate());
-                }
-            });
-        }
-    });
+    let left_end = left(app, ui, rect, has_picture);
     if !has_picture {
         return;
     }
+    let right_start = right(app, ui, rect, is_narrow);
+    let half = FACES_WIDTH / 2.0;
+    let middle = rect.center().x.min(right_start - GAP - half).max(left_end + half);
     let faces = [(Face::Picture, "Picture"), (Face::Views, "Views"), (Face::Depths, "Ray depths")];
-    let middle = egui::Rect::from_center_size(rect.center(), vec2(252.0, rect.height()));
-    ui.scope_builder(UiBuilder::new().max_rect(middle).layout(Layout::left_to_right(Align::Center)), |ui| {
+    let place = Rect::from_center_size(pos2(middle, rect.center().y), vec2(FACES_WIDTH, rect.height()));
+    ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::left_to_right(Align::Center)), |ui| {
         widgets::segmented(ui, "Face", &mut app.face, &faces);
     });
-    ui.scope_builder(row(Layout::right_to_left(Align::Center)), |ui| {
-        ui.spacing_mut().item_spacing.x = 12.0;
-        let can_export = app.document.field.is_some();
-        ui.add_enabled_ui(can_export, |ui| {
+    let room = Rect::from_min_max(pos2(left_end, rect.top()), pos2(place.left() - GAP, rect.bottom()));
+    if room.width() > 48.0 {
+        ui.scope_builder(UiBuilder::new().max_rect(room).layout(Layout::left_to_right(Align::Center)), |ui| {
+            name_and_facts(app, ui);
+        });
+    }
+}
+
+/// Menu and Open…; returns where they end.
+fn left(app: &mut App, ui: &mut Ui, rect: Rect, has_picture: bool) -> f32 {
+    let ctx = ui.ctx().clone();
+    let row = UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center));
+    let inner = ui.scope_builder(row, |ui| {
+        ui.spacing_mut().item_spacing.x = GAP;
+        menu(app, ui);
+        let has_room = !has_picture || rect.width() >= TINY_WIDTH;
+        if has_room && widgets::button(ui, "Open…").on_hover_text(Action::Open.tip(&ctx)).clicked() {
+            app.apply(Action::Open, &ctx);
+        }
+        ui.cursor().left()
+    });
+    inner.inner
+}
+
+/// Export, before/after, the inspector's button; returns where they begin.
+fn right(app: &mut App, ui: &mut Ui, rect: Rect, is_narrow: bool) -> f32 {
+    let colors = theme::palette(ui.ctx());
+    let ctx = ui.ctx().clone();
+    let row = UiBuilder::new().max_rect(rect).layout(Layout::right_to_left(Align::Center));
+    let inner = ui.scope_builder(row, |ui| {
+        ui.spacing_mut().item_spacing.x = GAP;
+        ui.add_enabled_ui(app.can(Action::Export), |ui| {
             if widgets::main_button(ui, "Export…").on_hover_text(Action::Export.tip(&ctx)).clicked() {
                 app.apply(Action::Export, &ctx);
             }
         });
-        let label = RichText::new("Before / after");
-        let is_on = app.is_before_after;
-        let label = if is_on { label.color(colors.accent_text) } else { label };
-        let button = egui::Button::new(label).min_size(vec2(0.0, 26.0)).selected(false);
-        if ui.add(button).on_hover_text(Action::BeforeAfter.tip(&ctx)).clicked() {
-            app.apply(Action::BeforeAfter, &ctx);
+        if rect.width() >= TIGHT_WIDTH && app.can(Action::BeforeAfter) {
+            let label = RichText::new("Before / after");
+            let label = if app.is_before_after { label.color(colors.accent_text) } else { label };
+            let button = egui::Button::new(label).min_size(vec2(0.0, 26.0)).selected(false);
+            if ui.add(button).on_hover_text(Action::BeforeAfter.tip(&ctx)).clicked() {
+                app.apply(Action::BeforeAfter, &ctx);
+            }
         }
         if is_narrow && widgets::button(ui, "Inspector").on_hover_text(Action::ToggleInspector.tip(&ctx)).clicked() {
             app.apply(Action::ToggleInspector, &ctx);
         }
+        ui.cursor().right()
     });
+    inner.inner
+}
+
+/// What is open; what it is only where there is room for all of that.
+fn name_and_facts(app: &App, ui: &mut Ui) {
+    let colors = theme::palette(ui.ctx());
+    ui.spacing_mut().item_spacing.x = GAP;
+    ui.add(egui::Label::new(RichText::new(&app.document.name).color(colors.strong)).truncate());
+    let facts = ui.painter().layout_no_wrap(app.document.facts.clone(), theme::text(), colors.weak);
+    if facts.size().x <= ui.available_width() {
+        ui.label(RichText::new(&app.document.facts).color(colors.weak));
+    }
 }
 
 /// The program's name is its menu.
 fn menu(app: &mut App, ui: &mut Ui) {
     let colors = theme::palette(ui.ctx());
     let name = RichText::new("Plenoscope").font(theme::title(14.0)).color(colors.strong);
-    let ctx = ui.ctx().clone();
     ui.menu_button(name, |ui| {
-        ui.set_min_width(220.0);
-        let mut group = Action::ALL[0].spec().group;
-        for next in ["File", "Edit", "View", "Help"] {
-            if next != group {
-                ui.separator();
-            }
-            group = next;
-            for action in Action::ALL.into_iter().filter(|action| action.spec().group == next) {
-                let spec = action.spec();
-                let mut button = egui::Button::new(spec.label);
-                if let Some(keys) = spec.shortcut {
-                    button = button.shortcut_text(ctx.format_shortcut(&keys));
-                }
-                if ui.add(button).on_hover_text(spec.hint).clicked() {
-                    app.apply(action, &ctx);
-                    ui.close();
-                }
-            }
-            if next == "File" {
-                recent(app, ui);
-            }
-        }
+        ui.set_min_width(230.0);
+        // What is done with files is most of it; all else folds.
+        let (first, others) = Action::GROUPS.split_at(1);
+        first.iter().for_each(|group| actions(app, ui, group));
+        recent(app, ui);
         ui.separator();
-        if ui.button("Settings…").clicked() {
-            app.dialog = Some(crate::ui::app::Dialog::Settings);
-            ui.close();
+        for group in others {
+            ui.menu_button(*group, |ui| {
+                ui.set_min_width(230.0);
+                actions(app, ui, group);
+            });
         }
     });
+}
+
+fn actions(app: &mut App, ui: &mut Ui, group: &str) {
+    let ctx = ui.ctx().clone();
+    for action in Action::of_group(group) {
+        let spec = action.spec();
+        let mut button = egui::Button::new(spec.label);
+        if let Some(keys) = spec.shortcut {
+            button = button.shortcut_text(ctx.format_shortcut(&keys));
+        }
+        if ui.add_enabled(app.can(action), button).on_hover_text(spec.hint).clicked() {
+            app.apply(action, &ctx);
+            ui.close();
+        }
+    }
 }
 
 fn recent(app: &mut App, ui: &mut Ui) {

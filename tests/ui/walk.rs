@@ -1,74 +1,10 @@
-//! The window's main walk, without a display: open the sample, get a light field, look round, focus, export.
-//!
-//! Needs a device (a software Vulkan is enough). Without one the tests say so and pass; with `PLENOSCOPE_NEED_GPU` set
-//! they fail.
+//! Open the sample, get a light field, look round, focus, export; and what must not disturb that.
 
-#![cfg(feature = "ui")]
-
-use std::time::Duration;
-
-use egui::{Event, Modifiers, PointerButton, Pos2, pos2, vec2};
-use egui_kittest::Harness;
+use egui::{pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use plenoscope::field::ViewPoint;
-use plenoscope::synth::ModelSource;
-use plenoscope::ui::{App, Options};
 
-/// Frames after which a job must have ended; each waits a little, so this is minutes on a slow machine.
-const MANY_FRAMES: usize = 20_000;
-
-fn has_device() -> bool {
-    let adapter = pollster::block_on(wgpu::Instance::default().request_adapter(&Default::default()));
-    if adapter.is_err() {
-        assert!(std::env::var_os("PLENOSCOPE_NEED_GPU").is_none(), "no device, and PLENOSCOPE_NEED_GPU is set");
-        eprintln!("SKIPPED: no device here; install a Vulkan driver (mesa-vulkan-drivers) to test the window");
-    }
-    adapter.is_ok()
-}
-
-fn window(size: [f32; 2]) -> Harness<'static, App> {
-    let options = Options {
-        files: Vec::new(),
-        models: ModelSource::Embedded,
-        long_side: Some(120),
-        threads: 1,
-        restores_last: false,
-    };
-    Harness::builder()
-        .with_size(vec2(size[0], size[1]))
-        .with_max_steps(16)
-        .wgpu()
-        .build_eframe(move |creation| App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), None))
-}
-
-/// Steps until something holds; returns the frames that went by.
-fn wait(harness: &mut Harness<'static, App>, what: &str, holds: impl Fn(&App) -> bool) -> usize {
-    for frame in 0..MANY_FRAMES {
-        harness.step();
-        if holds(harness.state()) {
-            return frame;
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    panic!("{what}: not within {MANY_FRAMES} frames");
-}
-
-fn button(harness: &Harness<'static, App>, pos: Pos2, pressed: bool) {
-    let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
-    harness.event(Event::PointerButton { pos, button, pressed, modifiers });
-}
-
-fn with_sample(size: [f32; 2]) -> Harness<'static, App> {
-    let mut harness = window(size);
-    harness.step();
-    harness.get_by_label("Try the sample").click();
-    let frames = wait(&mut harness, "the sample's light field", |app| app.light_field().is_some() && !app.is_busy());
-    assert!(frames > 2, "the window went on drawing while the light field was made, not {frames} frames");
-    for _ in 0..80 {
-        harness.step();
-    }
-    harness
-}
+use crate::common::{button, click, has_device, wait, with_sample};
 
 #[test]
 fn the_main_walk() {
@@ -95,12 +31,7 @@ fn the_main_walk() {
     // A click focuses on what is there.
     let before = harness.state().edit().lens.focus.disparity_px;
     let at = pos2(from.x, from.y + 200.0);
-    harness.hover_at(at);
-    harness.step();
-    button(&harness, at, true);
-    harness.step();
-    button(&harness, at, false);
-    harness.step();
+    click(&mut harness, at);
     assert_ne!(harness.state().edit().lens.focus.disparity_px, before, "the click focused");
 
     // Undo takes the edits back once they have settled; Home centres the eye.
@@ -149,6 +80,30 @@ fn views_depths_and_keys() {
     harness.step();
     harness.step();
     assert!(harness.query_by_label("Shortcuts").is_some(), "F1 shows the sheet");
+}
+
+/// A file that never ends: whoever waits for it waits for ever.
+#[cfg(unix)]
+#[test]
+fn frames_go_on_while_a_file_is_waited_for() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = with_sample([1000.0, 700.0]);
+    let folder = tempfile::tempdir().expect("a folder");
+    let pipe = folder.path().join("pipe.jpg");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there");
+    assert!(made.success());
+    harness.state_mut().open_file(&pipe);
+    for _ in 0..100 {
+        harness.step();
+        assert!(harness.state().is_busy(), "nothing has come through the pipe yet");
+    }
+    assert!(harness.state().light_field().is_some(), "what was open stays usable");
+    let at = harness.get_by_label("Picture canvas").rect().center();
+    click(&mut harness, at + vec2(0.0, 150.0));
+    std::fs::write(&pipe, b"no picture").expect("written");
+    wait(&mut harness, "the end of the pipe", |app| !app.is_busy());
 }
 
 #[test]

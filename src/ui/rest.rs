@@ -1,0 +1,116 @@
+//! What is drawn over the draft once the hand rests: the lens renderer's picture, and the edges that are in focus.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::TextureHandle;
+
+use super::app::App;
+use super::document::Document;
+use super::finals;
+use super::peaking::{self, Peaks};
+use super::progress::now;
+use super::state::Face;
+use super::tiles::{TileSet, Tiled};
+use crate::field::ViewPoint;
+
+/// Rest before the picture at rest is asked for.
+const REST_SECS: f64 = 0.2;
+
+/// What is there, and what has been asked for.
+#[derive(Default)]
+pub struct AtRest {
+    picture: Option<(finals::Key, Tiled)>,
+    asked_for: Option<finals::Key>,
+    peaks: Option<(peaking::Key, TextureHandle)>,
+    peaks_asked_for: Option<peaking::Key>,
+}
+
+impl AtRest {
+    /// Whether what was asked for has come.
+    pub fn is_there(&self) -> bool {
+        self.asked_for.is_none() || self.picture.as_ref().map(|(key, _)| *key) == self.asked_for
+    }
+
+    /// The lens renderer's picture is there.
+    pub fn put(&mut self, key: finals::Key, tiles: Arc<TileSet>) {
+        self.picture = Some((key, Tiled::new(tiles)));
+    }
+
+    /// Marks are there.
+    pub fn put_peaks(&mut self, peaks: Peaks, ctx: &egui::Context) {
+        let texture = ctx.load_texture("peaking", peaks.image, egui::TextureOptions::LINEAR);
+        self.peaks = Some((peaks.key, texture));
+    }
+
+    /// The picture, where it shows what is asked for at any size.
+    pub fn picture(&mut self, key: finals::Key) -> Option<(&finals::Key, &mut Tiled)> {
+        let (have, tiled) = self.picture.as_mut()?;
+        (have.lens == key.lens && have.generation == key.generation).then_some((have, tiled))
+    }
+}
+
+impl App {
+    /// Asks for the picture at rest once nothing has moved for a while.
+    pub(super) fn rest(&mut self, ctx: &egui::Context) {
+        let Some(key) = self.key_at_rest(ctx.pixels_per_point()) else {
+            self.rest.asked_for = None;
+            return;
+        };
+        let is_there = self.rest.picture.as_ref().is_some_and(|(have, _)| *have == key);
+        if is_there || self.rest.asked_for == Some(key) {
+            return;
+        }
+        let waited = now() - self.moved_at_secs;
+        if self.is_moving || waited < REST_SECS {
+            ctx.request_repaint_after(Duration::from_secs_f64(REST_SECS));
+            return;
+        }
+        let Document { photo: Some(photo), field: Some(field), depths: Some(depths), .. } = &self.document else {
+            return;
+        };
+        let (photo, field, depths) = (Arc::clone(photo), Arc::clone(field), Arc::clone(depths));
+        self.workers.finisher.replace(finals::Request { key, photo, field, depths });
+        self.rest.asked_for = Some(key);
+    }
+
+    /// What the picture at rest has to show; `None` where the draft, or the photo itself, is all there is.
+    pub(super) fn key_at_rest(&self, pixels_per_point: f32) -> Option<finals::Key> {
+        let size = self.picture_size()?;
+        let photo = self.document.photo.as_ref()?;
+        let is_possible = self.document.field.is_some()
+            && self.document.depths.is_some()
+            && self.face == Face::Picture
+            && self.edit.viewpoint == ViewPoint::default()
+            && self.edit.lens.f_number.added_views() > 0.0;
+        let on_screen = self.pose.screen_rect(self.canvas, size) * pixels_per_point;
+        let canvas = self.canvas * pixels_per_point;
+        is_possible.then(|| finals::Key::new(self.edit.lens, self.generation, photo.size(), on_screen, canvas))
+    }
+
+    /// Asks for the marks of what is in focus, whenever the lens or the view has changed.
+    pub(super) fn mark_peaks(&mut self) {
+        let Some(key) = self.peaking_key() else { return };
+        if self.rest.peaks_asked_for == Some(key) {
+            return;
+        }
+        let (Some(field), Some(depths)) = (&self.document.field, &self.document.depths) else { return };
+        let (field, depths) = (Arc::clone(field), Arc::clone(depths));
+        self.workers.peaker.replace(peaking::Request { key, field, depths });
+        self.rest.peaks_asked_for = Some(key);
+    }
+
+    fn peaking_key(&self) -> Option<peaking::Key> {
+        let (field, depths) = (self.document.field.as_ref()?, self.document.depths.as_ref()?);
+        let fits = field.grid() == depths.grid() && field.size() == depths.size();
+        let is_wanted = self.settings.peaking && self.face == Face::Picture && fits;
+        let view = self.nearest_view().filter(|_| is_wanted)?;
+        Some(peaking::Key { lens: self.edit.lens, view, generation: self.generation })
+    }
+
+    /// Marks that belong to what is shown.
+    pub(super) fn peaks(&self) -> Option<&TextureHandle> {
+        let key = self.peaking_key()?;
+        self.rest.peaks.as_ref().filter(|(have, _)| *have == key).map(|(_, texture)| texture)
+    }
+}

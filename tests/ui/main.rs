@@ -1,0 +1,12 @@
+//! The window without a display: the main walk, edits and queue, and what it looks like.
+//!
+//! Needs a device (a software Vulkan is enough). Without one the tests say so and pass; with `PLENOSCOPE_NEED_GPU` set
+//! they fail.
+
+#![cfg(feature = "ui")]
+
+mod common;
+mod edits;
+mod looks;
+mod queue;
+mod walk;
