@@ -54,13 +54,14 @@ pub(super) struct Workers {
 }
 
 impl Workers {
-    fn spawn(outbox: &Outbox, threads: usize) -> Self {
+    /// `remembers`: whether what was opened is kept for the next time.
+    fn spawn(outbox: &Outbox, threads: usize, stage: Option<&Stage>, remembers: bool) -> Self {
         let out = || outbox.clone();
         let ahead = Ahead::default();
         Self {
-            loader: Worker::spawn("synth", out(), jobs::loader(threads, ahead.clone())),
+            loader: Worker::spawn("synth", out(), jobs::loader(threads, ahead.clone(), remembers)),
             saver: Worker::spawn("export", out(), export::work::worker(threads)),
-            finisher: Worker::spawn("final", out(), finals::worker()),
+            finisher: Worker::spawn("final", out(), finals::worker(stage.and_then(Stage::lens_renderer))),
             peaker: Worker::spawn("peaking", out(), peaking::work),
             asker: Worker::spawn("dialog", out(), dialogs::work),
             folder: Worker::spawn("folder", out(), neighbours::worker(ahead.clone())),
@@ -132,6 +133,7 @@ impl App {
         let (sender, events) = sync_channel(LETTERS);
         let outbox = Outbox::new(sender, ctx.clone());
         let threads = options.threads;
+        let stage = render.map(Stage::new);
         let mut app = Self {
             edit: settings.edit,
             settings,
@@ -139,7 +141,6 @@ impl App {
             document: Document::default(),
             face: Face::default(),
             pose: Pose::default(),
-            stage: render.map(Stage::new),
             photo: None,
             rest: AtRest::default(),
             loading: None,
@@ -165,15 +166,17 @@ impl App {
             is_again: false,
             threads,
             events,
-            workers: Workers::spawn(&outbox, threads),
+            workers: Workers::spawn(&outbox, threads, stage.as_ref(), storage.is_some()),
+            stage,
             started_with: options.models,
         };
         let last = if options.restores_last { app.settings.last_file.clone() } else { None };
         match options.files.into_iter().next().or(last.filter(|path| path.exists())) {
             Some(file) => app.open(From::File(file)),
-            None => {
+            None if storage.is_some() => {
                 app.workers.recents.push(app.settings.recent.clone());
             }
+            None => {}
         }
         app
     }

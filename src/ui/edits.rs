@@ -105,9 +105,8 @@ impl App {
             return None;
         }
         self.history.kept = Some(self.edit);
-        let mut recipe = self.recipe();
+        let recipe = self.recipe();
         self.document.recipe = Some(Box::new(recipe.clone()));
-        recipe.export = self.settings.export.picture.clone();
         Some(Keep { photo, recipe })
     }
 

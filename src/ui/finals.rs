@@ -5,18 +5,21 @@ use std::sync::Arc;
 
 use egui::{Rect, Vec2};
 
+use super::state::Edit;
 use super::tiles::TileSet;
 use super::worker::{Event, JobId, Outbox, Work};
-use crate::field::{DisparityMap, Lens, LightField, Photo, RayDepths, fit_long_side};
+use crate::field::{DisparityMap, Lens, LightField, Photo, RayDepths, ViewPoint, fit_long_side};
 use crate::job::{Cancel, Job};
 use crate::render::Picture;
-use crate::render::lens::{LensError, Prepared, Region, Scene, Space, revealed};
+use crate::render::lens::{LensError, LensGpu, Prepared, Region, Scene, Space, revealed};
 
 /// What a picture at rest shows: it is drawn only while this is what the window asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// The lens.
     pub lens: Lens,
+    /// Where it stands.
+    pub viewpoint: ViewPoint,
     /// Size of the whole picture, in pixels.
     pub size: [u32; 2],
     /// The part of it that is seen.
@@ -30,7 +33,7 @@ const STEP: u32 = 128;
 
 impl Key {
     /// What is needed for a picture that lies at `rect` (in screen pixels) behind a canvas.
-    pub fn new(lens: Lens, generation: u64, photo: [u32; 2], rect: Rect, canvas: Rect) -> Self {
+    pub fn new(edit: &Edit, generation: u64, photo: [u32; 2], rect: Rect, canvas: Rect) -> Self {
         let long = rect.size().max_elem().max(64.0);
         // Sizes in steps of a quarter octave, so that a little zoom asks for nothing new either.
         let wanted = 2f32.powf((long.log2() * 4.0 - 0.1).ceil() / 4.0) as u32;
@@ -48,7 +51,7 @@ impl Key {
             high(place(seen.bottom(), rect.top(), rect.height(), size[1]), size[1]),
         ];
         let part = Region { at, size: [0, 1].map(|axis| end[axis].saturating_sub(at[axis]).max(1)) };
-        Self { lens, size, region: part, generation }
+        Self { lens: edit.lens, viewpoint: edit.viewpoint, size, region: part, generation }
     }
 
     /// Where the region lies within a picture that is drawn at `rect`.
@@ -72,14 +75,19 @@ pub struct Request {
     pub depths: Arc<RayDepths>,
 }
 
+/// What of a picture does not depend on the lens, and the device that draws it, if it is faster than the processor.
+struct Renderer {
+    device: Option<LensGpu>,
+    scene: Option<(u64, Scene)>,
+    prepared: Option<(u64, ViewPoint, [u32; 2], Arc<Prepared>)>,
+}
+
 /// The work of the thread that renders pictures at rest; it keeps what does not depend on the lens.
-pub fn worker() -> impl Work<Request> {
-    let mut scene: Option<(u64, Scene)> = None;
-    let mut prepared: Option<(u64, [u32; 2], Prepared)> = None;
+pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
+    let mut renderer = Renderer { device, scene: None, prepared: None };
     move |job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox| {
-        let key = request.key;
-        let event = match render(&request, &mut scene, &mut prepared, &Job { cancel, sink: &() }) {
-            Ok(picture) => Event::Final(Box::new((key, Arc::new(TileSet::of_picture(&picture))))),
+        let event = match renderer.render(&request, &Job { cancel, sink: &() }) {
+            Ok(picture) => Event::Final(Box::new((request.key, Arc::new(TileSet::of_picture(&picture))))),
             Err(LensError::Cancelled(_)) => Event::Stopped,
             Err(error) => Event::Failed(super::jobs::sentence(&error)),
         };
@@ -87,24 +95,35 @@ pub fn worker() -> impl Work<Request> {
     }
 }
 
-fn render(
-    request: &Request,
-    scene: &mut Option<(u64, Scene)>,
-    prepared: &mut Option<(u64, [u32; 2], Prepared)>,
-    job: &Job,
-) -> Result<Picture, LensError> {
-    let Key { lens, size, region, generation } = request.key;
-    if scene.as_ref().is_none_or(|(have, _)| *have != generation) {
-        *scene = Some((generation, scene_of(&request.photo, &request.field, &request.depths)?.in_space(Space::Srgb)));
+impl Renderer {
+    fn render(&mut self, request: &Request, job: &Job) -> Result<Picture, LensError> {
+        let Key { lens, region, .. } = request.key;
+        let prepared = self.prepared(request, job)?;
+        job.check()?;
+        if let Some(device) = &mut self.device
+            && let Some(picture) = device.render(&prepared, &lens, region, job)?
+        {
+            return Ok(picture);
+        }
+        prepared.render(&lens, region, job)
     }
-    job.check()?;
-    if prepared.as_ref().is_none_or(|(have, at, _)| (*have, *at) != (generation, size)) {
-        *prepared = scene.as_ref().map(|(_, scene)| (generation, size, scene.prepare(size)));
-    }
-    job.check()?;
-    match prepared {
-        Some((_, _, prepared)) => prepared.render(&lens, region, job),
-        None => Err(LensError::NotANumber),
+
+    fn prepared(&mut self, request: &Request, job: &Job) -> Result<Arc<Prepared>, LensError> {
+        let Key { viewpoint, size, generation, .. } = request.key;
+        if let Some((have, from, at, prepared)) = &self.prepared
+            && (*have, *from, *at) == (generation, viewpoint, size)
+        {
+            return Ok(Arc::clone(prepared));
+        }
+        let scene = match self.scene.take().filter(|(have, _)| *have == generation) {
+            Some((_, scene)) => scene,
+            None => scene_of(&request.photo, &request.field, &request.depths)?.in_space(Space::Srgb),
+        };
+        let (_, scene) = self.scene.insert((generation, scene));
+        job.check()?;
+        let prepared = Arc::new(scene.seen_from(viewpoint, size, job)?.prepare(size));
+        self.prepared = Some((generation, viewpoint, size, Arc::clone(&prepared)));
+        Ok(prepared)
     }
 }
 
@@ -124,12 +143,12 @@ mod tests {
         let canvas = Rect::from_min_size(pos2(100.0, 50.0), vec2(900.0, 600.0));
         let photo = [4000, 3000];
         let whole = Rect::from_min_size(pos2(150.0, 50.0), vec2(800.0, 600.0));
-        let key = Key::new(Lens::default(), 1, photo, whole, canvas);
+        let key = Key::new(&Edit::default(), 1, photo, whole, canvas);
         assert_eq!(key.region, Region { at: [0, 0], size: key.size });
         assert!(key.size[0] >= 800 && key.size[0] < 960, "{:?}", key.size);
 
         let close = Rect::from_min_size(pos2(-1900.0, -950.0), vec2(4000.0, 3000.0));
-        let key = Key::new(Lens::default(), 1, photo, close, canvas);
+        let key = Key::new(&Edit::default(), 1, photo, close, canvas);
         assert_eq!(key.size, photo, "never more than the photo's own pixels");
         assert!(key.on_screen(close).contains_rect(canvas));
         assert!(key.region.size[0] < 1300 && key.region.size[1] < 1000);

@@ -166,6 +166,7 @@ impl App {
         };
         self.history = History::default();
         self.probe = egui::Vec2::splat(0.5);
+        self.toasts.clear();
         document.warnings.iter().for_each(|warning| self.toasts.info(warning));
         if let Some(path) = &document.path {
             self.settings.remember(path);

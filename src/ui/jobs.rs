@@ -65,8 +65,9 @@ impl Sink for ToWindow<'_> {
     }
 }
 
-/// The work of the thread that opens and synthesizes; it keeps the nets once they are loaded.
-pub fn loader(threads: usize, ahead: Ahead) -> impl Work<Load> {
+/// The work of the thread that opens and synthesizes; it keeps the nets once they are loaded. `remembers`: whether small
+/// pictures of what was opened are kept for the next time.
+pub fn loader(threads: usize, ahead: Ahead, remembers: bool) -> impl Work<Load> {
     let mut maker = super::maker::Maker::new(threads);
     move |job: JobId, load: Load, cancel: &Cancel, outbox: &Outbox| {
         let sink = ToWindow { job, outbox };
@@ -80,7 +81,9 @@ pub fn loader(threads: usize, ahead: Ahead) -> impl Work<Load> {
                 let document = made.of.clone();
                 outbox.send(job, Event::Made(Box::new(made)));
                 outbox.send(job, Event::Models(load.models.relative_depth_models()));
-                recents::keep(&document);
+                if remembers {
+                    recents::keep(&document);
+                }
             }
             Err(sentence) => {
                 outbox.send(job, Event::Failed(sentence));

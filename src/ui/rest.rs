@@ -12,7 +12,6 @@ use super::peaking::{self, Peaks};
 use super::progress::now;
 use super::state::Face;
 use super::tiles::{TileSet, Tiled};
-use crate::field::ViewPoint;
 
 /// Rest before the picture at rest is asked for.
 const REST_SECS: f64 = 0.2;
@@ -46,7 +45,8 @@ impl AtRest {
     /// The picture, where it shows what is asked for at any size.
     pub fn picture(&mut self, key: finals::Key) -> Option<(&finals::Key, &mut Tiled)> {
         let (have, tiled) = self.picture.as_mut()?;
-        (have.lens == key.lens && have.generation == key.generation).then_some((have, tiled))
+        let is_same = (have.lens, have.viewpoint, have.generation) == (key.lens, key.viewpoint, key.generation);
+        is_same.then_some((&*have, tiled))
     }
 }
 
@@ -81,11 +81,10 @@ impl App {
         let is_possible = self.document.field.is_some()
             && self.document.depths.is_some()
             && self.face == Face::Picture
-            && self.edit.viewpoint == ViewPoint::default()
-            && self.edit.lens.f_number.added_views() > 0.0;
+            && !self.shows_photo_itself();
         let on_screen = self.pose.screen_rect(self.canvas, size) * pixels_per_point;
         let canvas = self.canvas * pixels_per_point;
-        is_possible.then(|| finals::Key::new(self.edit.lens, self.generation, photo.size(), on_screen, canvas))
+        is_possible.then(|| finals::Key::new(&self.edit, self.generation, photo.size(), on_screen, canvas))
     }
 
     /// Asks for the marks of what is in focus, whenever the lens or the view has changed.

@@ -8,6 +8,7 @@ use egui::TextureId;
 
 use crate::field::{LightField, RayDepths, View, ViewGrid, ViewIndex};
 use crate::render::gpu::{Budget, Draw, FieldTexture, Gpu, Target};
+use crate::render::lens::LensGpu;
 
 /// Which picture of the light field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +53,11 @@ impl Stage {
     /// Whether heavy pictures are thinned while something moves.
     pub fn is_software(&self) -> bool {
         self.gpu.is_software()
+    }
+
+    /// The lens renderer on this device; none where the processor draws, which is quicker at it without a detour.
+    pub fn lens_renderer(&self) -> Option<LensGpu> {
+        (!self.is_software()).then(|| LensGpu::new(self.gpu.device(), self.gpu.queue()))
     }
 
     /// Forgets the light field.

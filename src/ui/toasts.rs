@@ -63,6 +63,11 @@ impl Toasts {
         self.shown.drain(..over);
     }
 
+    /// What was told about another picture goes.
+    pub fn clear(&mut self) {
+        self.shown.clear();
+    }
+
     /// Draws them over everything, the last one with its lower left corner at a place.
     pub fn show(&mut self, ctx: &Context, place: egui::Pos2) {
         self.shown.retain(|toast| toast.is_error || now() - toast.since_secs < SHOWN_SECS);

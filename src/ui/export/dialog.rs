@@ -7,7 +7,6 @@ use egui::{Context, RichText, Ui, vec2};
 use super::super::app::App;
 use super::super::{dialogs, theme, widgets};
 use super::{Existing, ExportSettings, Moving, What};
-use crate::field::ViewPoint;
 use crate::io::formats::quilt;
 use crate::io::save::{Format, Keep};
 use crate::recipe::OutputSize;
@@ -151,27 +150,22 @@ fn animation_rows(ui: &mut Ui, settings: &mut ExportSettings) {
     });
     frames_row(ui, settings, true);
     widgets::labelled(ui, "Long side", |ui| {
-        if settings.moving == Moving::Viewpoint {
-            ui.weak("that of the views");
-        } else {
-            ui.add(egui::DragValue::new(&mut settings.animation_px).range(64..=4096).speed(4).suffix(" px"));
-        }
+        ui.add(egui::DragValue::new(&mut settings.animation_px).range(64..=4096).speed(4).suffix(" px"));
     });
     widgets::labelled(ui, "Format", |ui| {
-        let all = [("gif".to_owned(), "GIF"), ("apng".to_owned(), "APNG")];
+        let all = [("gif", "GIF"), ("apng", "APNG"), ("webp", "WebP")].map(|(suffix, name)| (suffix.to_owned(), name));
         widgets::segmented(ui, "Format", &mut settings.animation, &all);
     });
 }
 
 fn size_row(ui: &mut Ui, app: &mut App) {
-    let is_centred = app.edit.viewpoint == ViewPoint::default();
-    let photo = app.document.photo.as_ref().filter(|_| is_centred).map(|photo| photo.size());
+    let photo = app.document.photo.as_ref().map(|photo| photo.size());
     let views = app.document.field.as_ref().map_or([0, 0], |field| field.size());
     let size = &mut app.settings.export.picture.size;
     widgets::labelled(ui, "Size", |ui| {
         let Some(photo) = photo else {
             let text = format!("{} × {} px, that of the views", views[0], views[1]);
-            ui.weak(text).on_hover_text("Away from the centre only the views know the picture");
+            ui.weak(text);
             return;
         };
         let custom = if let OutputSize::LongSide(side) = *size { side } else { 2048 };

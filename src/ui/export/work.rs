@@ -11,7 +11,7 @@ use super::super::state::Edit;
 use super::super::subject;
 use super::super::worker::{Event, JobId, Outbox, Work};
 use super::{Existing, ExportSettings, What, series};
-use crate::field::{DisparityMap, LightField, Photo, RayDepths, ViewPoint};
+use crate::field::{DisparityMap, LightField, Photo, RayDepths};
 use crate::io::formats::{Source, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
 use crate::io::save::{self, Keep, Origin, PictureOptions, SaveError};
 use crate::job::{Cancel, Job, Progress, Sink, Stage};
@@ -194,7 +194,7 @@ fn write_picture(target: &Path, request: &Request, job: &Job) -> Result<(), AnyE
         replace_source: false,
     };
     save::check(target, &options)?;
-    let Some((scene, size)) = scene(request)? else {
+    let Some((scene, size)) = scene(request, job)? else {
         let options = PictureOptions { keep: Keep::Nothing, ..options };
         return Ok(save::picture(target, &of_views(request), &options)?);
     };
@@ -206,21 +206,19 @@ fn write_picture(target: &Path, request: &Request, job: &Job) -> Result<(), AnyE
 
 /// The picture in sRGB, for the clipboard.
 fn picture(request: &Request, job: &Job) -> Result<Picture, String> {
-    let scene = scene(request).map_err(|error| sentence(error.as_ref()))?;
+    let scene = scene(request, job).map_err(|error| sentence(error.as_ref()))?;
     let Some((scene, size)) = scene else { return Ok(of_views(request)) };
     let scene = scene.in_space(Space::Srgb);
     lens::render(&scene, &request.edit.lens, size, job).map_err(|error| sentence(&error))
 }
 
-/// The lens renderer's scene and the picture's size; none where only the views know the picture: for light fields from
-/// disk, and from viewpoints away from the photo's.
-fn scene(request: &Request) -> Result<Option<(Scene, [u32; 2])>, AnyError> {
+/// The lens renderer's scene from where the eye is, and the picture's size; none for light fields from disk: their views
+/// know the picture.
+fn scene(request: &Request, job: &Job) -> Result<Option<(Scene, [u32; 2])>, AnyError> {
     let (Some(photo), Some(depths)) = (&request.photo, &request.depths) else { return Ok(None) };
-    if request.edit.viewpoint != ViewPoint::default() {
-        return Ok(None);
-    }
     let size = request.settings.picture.size.of(photo.size());
-    Ok(Some((scene_of(photo, &request.field, depths)?, size)))
+    let scene = scene_of(photo, &request.field, depths)?;
+    Ok(Some((scene.seen_from(request.edit.viewpoint, size, job)?, size)))
 }
 
 /// The picture at light-field size, by the CPU twins.
