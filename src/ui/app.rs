@@ -97,6 +97,8 @@ pub struct App {
     pub(super) generation: u64,
     pub(super) is_before_after: bool,
     pub(super) split: f32,
+    /// Whether the hand holds the line between photo and picture.
+    pub(super) is_splitting: bool,
     pub(super) is_circling: bool,
     pub(super) is_drawer_open: bool,
     pub(super) canvas: egui::Rect,
@@ -155,6 +157,7 @@ impl App {
             generation: 0,
             is_before_after: false,
             split: 0.5,
+            is_splitting: false,
             is_circling: false,
             is_drawer_open: false,
             canvas: egui::Rect::ZERO,

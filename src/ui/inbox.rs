@@ -126,6 +126,7 @@ impl App {
         self.document.layout = made.of.layout;
         self.document.stored = made.of.stored;
         self.document.field = Some(made.field);
+        let is_other_source = self.document.made_by != made.made_by;
         self.document.made_by = made.made_by;
         self.document.took_secs = made.took_secs;
         if let Some(depths) = made.depths {
@@ -134,8 +135,8 @@ impl App {
                 self.take_depths(depths);
             }
         }
-        if self.is_again && self.document.is_from_disk() {
-            // Laid out anew: what was sharp lies at another disparity.
+        // Laid out anew, or measured otherwise: what was sharp lies at another disparity.
+        if self.is_again && self.edit.focus_at.is_none() && (is_other_source || self.document.is_from_disk()) {
             self.focus_on_subject();
         }
         if let Some(path) = self.document.path.clone().filter(|_| self.document.photo.is_some()) {

@@ -131,7 +131,8 @@ fn preview(ui: &mut Ui, question: &Question, index: usize, texture: &TextureHand
             ui.painter().rect_stroke(at, theme::PICTURE_RADIUS, (2.0, colors.accent), StrokeKind::Outside);
         }
         let guess = if index == 0 { " · likely" } else { "" };
-        ui.label(RichText::new(format!("{name}{guess}")).color(colors.text));
+        let label = RichText::new(format!("{name}{guess}")).color(colors.text);
+        ui.vertical_centered(|ui| ui.label(label));
         response.on_hover_cursor(CursorIcon::PointingHand).clicked()
     })
     .inner

@@ -16,19 +16,20 @@ use super::tiles::{TileSet, Tiled};
 /// Rest before the picture at rest is asked for.
 const REST_SECS: f64 = 0.2;
 
-/// What is there, and what has been asked for.
+/// What is wanted, what has been asked for, and what is there.
 #[derive(Default)]
 pub struct AtRest {
     picture: Option<(finals::Key, Tiled)>,
+    wanted: Option<finals::Key>,
     asked_for: Option<finals::Key>,
     peaks: Option<(peaking::Key, TextureHandle)>,
     peaks_asked_for: Option<peaking::Key>,
 }
 
 impl AtRest {
-    /// Whether what was asked for has come.
+    /// Whether what is wanted is there.
     pub fn is_there(&self) -> bool {
-        self.asked_for.is_none() || self.picture.as_ref().map(|(key, _)| *key) == self.asked_for
+        self.wanted.is_none() || self.picture.as_ref().map(|(key, _)| *key) == self.wanted
     }
 
     /// The lens renderer's picture is there.
@@ -53,7 +54,8 @@ impl AtRest {
 impl App {
     /// Asks for the picture at rest once nothing has moved for a while.
     pub(super) fn rest(&mut self, ctx: &egui::Context) {
-        let Some(key) = self.key_at_rest(ctx.pixels_per_point()) else {
+        self.rest.wanted = self.key_at_rest(ctx.pixels_per_point());
+        let Some(key) = self.rest.wanted else {
             self.rest.asked_for = None;
             return;
         };

@@ -43,11 +43,17 @@ pub fn move_picture(app: &mut App, ui: &Ui, response: &Response, canvas: Rect, s
 
 fn look_and_focus(app: &mut App, ui: &Ui, response: &Response, canvas: Rect, size: Vec2) {
     let is_pan = ui.input(|input| input.key_down(Key::Space));
-    if is_over_split(app, response, canvas) {
+    if response.hover_pos().is_some_and(|at| is_on_split(app, at, canvas)) {
         ui.set_cursor_icon(CursorIcon::ResizeHorizontal);
     }
-    if app.is_before_after && response.dragged_by(PointerButton::Primary) && is_split_drag(app, response, canvas) {
-        app.split = (app.split + response.drag_delta().x / canvas.width()).clamp(0.02, 0.98);
+    if response.drag_started() {
+        let origin = ui.input(|input| input.pointer.press_origin());
+        app.is_splitting = origin.is_some_and(|at| is_on_split(app, at, canvas));
+    }
+    if app.is_splitting && response.dragged_by(PointerButton::Primary) {
+        if let Some(at) = response.interact_pointer_pos() {
+            app.split = ((at.x - canvas.left()) / canvas.width()).clamp(0.02, 0.98);
+        }
     } else if response.dragged_by(PointerButton::Primary) && !is_pan {
         app.is_circling = false;
         if let Some(grid) = app.document.grid() {
@@ -153,17 +159,9 @@ fn split_x(app: &App, canvas: Rect) -> f32 {
     canvas.left() + app.split * canvas.width()
 }
 
-fn is_over_split(app: &App, response: &Response, canvas: Rect) -> bool {
-    let near = |at: Pos2| (at.x - split_x(app, canvas)).abs() < 8.0;
-    app.is_before_after && app.document.photo.is_some() && response.hover_pos().is_some_and(near)
-}
-
-/// Whether a drag began on the line; the line follows the pointer, so where the pointer is now says it too.
-fn is_split_drag(app: &App, response: &Response, canvas: Rect) -> bool {
-    let total = response.total_drag_delta().unwrap_or_default();
-    let now = response.interact_pointer_pos().unwrap_or(canvas.min);
-    let moved_line = split_x(app, canvas);
-    (now.x - total.x - moved_line).abs() < 8.0 || (now.x - response.drag_delta().x - moved_line).abs() < 8.0
+/// Whether a place of the screen is on the line between photo and picture.
+fn is_on_split(app: &App, at: Pos2, canvas: Rect) -> bool {
+    app.is_before_after && app.document.photo.is_some() && (at.x - split_x(app, canvas)).abs() < 8.0
 }
 
 fn split_line(app: &App, ui: &Ui, canvas: Rect) {
