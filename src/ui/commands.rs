@@ -10,7 +10,6 @@ use super::jobs::From;
 use super::neighbours;
 use super::queue::State;
 use super::state::{Face, Pose};
-use super::subject;
 use super::worker::JobId;
 use crate::field::{ViewOffset, ViewPoint};
 use crate::io::formats::layout::Layout;
@@ -263,7 +262,7 @@ impl App {
 
     /// Focuses where the subject most likely is.
     pub(super) fn focus_on_subject(&mut self) {
-        let Some(place) = self.document.depths.as_ref().map(|depths| subject::place(depths)) else { return };
+        let Some(place) = self.document.survey.as_ref().map(|survey| survey.subject) else { return };
         self.edit.focus_at = None;
         self.probe = place.into();
         self.focus_on(place);

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::subject;
 use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
 use crate::io::formats::layout::Layout;
 use crate::io::{EmbeddedDepth, FileInfo, LightFieldFile, Opened};
@@ -36,7 +37,7 @@ pub struct Document {
     /// The disparity of every ray.
     pub depths: Option<Arc<RayDepths>>,
     /// What the ray depths say about the scene.
-    pub survey: Option<Survey>,
+    pub survey: Option<Arc<Survey>>,
     /// Who made the light field.
     pub made_by: String,
     /// How long that took.
@@ -61,6 +62,8 @@ pub struct Made {
     pub field: Arc<LightField>,
     /// The disparity of every ray.
     pub depths: Option<Arc<RayDepths>>,
+    /// What they say about the scene.
+    pub survey: Option<Arc<Survey>>,
     /// Who made it.
     pub made_by: String,
     /// How long it took.
@@ -87,6 +90,7 @@ impl Document {
         Self {
             stored: shown.is_some().then(|| Arc::clone(&file.field)),
             field: Some(shown.unwrap_or(file.field)),
+            survey: file.depths.as_deref().map(|depths| Arc::new(Survey::new(depths))),
             depths: file.depths,
             reference: file.reference_disparity.map(Arc::new),
             layout: file.layout,
@@ -188,6 +192,8 @@ pub struct Survey {
     pub bins: Vec<f32>,
     /// For each view, how much of it the reference view has seen (the rest was invented), 0 … 1, in `[v, u]` order.
     pub seen: Vec<f32>,
+    /// Where the subject most likely is in the reference view, x and y from 0 to 1.
+    pub subject: [f32; 2],
 }
 
 impl Survey {
@@ -198,7 +204,7 @@ impl Survey {
     /// Disparity by which two rays may differ and still be one point.
     const SAME_POINT_PX: f32 = 0.15;
 
-    /// Looks over the ray depths. Quick: a few thousand rays a view.
+    /// Looks over the ray depths. Takes some milliseconds, so it is not for the window's thread.
     pub fn new(depths: &RayDepths) -> Self {
         let mut sorted: Vec<f32> = depths.reference().iter().copied().filter(|d| d.is_finite()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
@@ -217,7 +223,7 @@ impl Survey {
         // The square root keeps small things visible beside a large wall.
         let bins = counts.into_iter().map(|count| (count as f32 / most).sqrt()).collect();
         let seen = depths.grid().views().map(|view| Self::seen(depths, view)).collect();
-        Self { range_px, bins, seen }
+        Self { range_px, bins, seen, subject: subject::place(depths) }
     }
 
     fn seen(depths: &RayDepths, view: ViewIndex) -> f32 {

@@ -92,8 +92,8 @@ impl App {
             Event::Opened(document) => self.opened(*document, ctx),
             Event::Tiles(tiles) => self.photo = Some(Tiled::new(tiles)),
             // Made again with other settings: the old light field stays usable until the new one is complete.
-            Event::Depths(_) | Event::View(..) if self.is_again => {}
-            Event::Depths(depths) => self.take_depths(depths),
+            Event::Depths(..) | Event::View(..) if self.is_again => {}
+            Event::Depths(depths, survey) => self.take_depths(depths, survey),
             Event::View(at, view) => {
                 // Ray depths tell the grid; the reference view, which comes before them, is the photo.
                 let grid = self.document.depths.as_ref().map(|depths| depths.grid());
@@ -129,10 +129,10 @@ impl App {
         let is_other_source = self.document.made_by != made.made_by;
         self.document.made_by = made.made_by;
         self.document.took_secs = made.took_secs;
-        if let Some(depths) = made.depths {
+        if let (Some(depths), Some(survey)) = (made.depths, made.survey) {
             let is_new = self.document.depths.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &depths));
             if is_new {
-                self.take_depths(depths);
+                self.take_depths(depths, survey);
             }
         }
         // Laid out anew, or measured otherwise: what was sharp lies at another disparity.
@@ -173,15 +173,15 @@ impl App {
             self.settings.remember(path);
         }
         ctx.send_viewport_cmd(egui::ViewportCommand::Title(format!("{} — Plenoscope", document.name)));
-        let depths = document.depths.clone();
+        let known = document.depths.clone().zip(document.survey.clone());
         self.document = document;
-        if let Some(depths) = depths {
-            self.take_depths(depths);
+        if let Some((depths, survey)) = known {
+            self.take_depths(depths, survey);
         }
     }
 
-    fn take_depths(&mut self, depths: Arc<RayDepths>) {
-        self.document.survey = Some(Survey::new(&depths));
+    fn take_depths(&mut self, depths: Arc<RayDepths>, survey: Arc<Survey>) {
+        self.document.survey = Some(survey);
         if let Some(stage) = &mut self.stage {
             stage.push_depths(&depths);
         }

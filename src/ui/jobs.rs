@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::document::Document;
+use super::document::{Document, Survey};
 use super::neighbours::{Ahead, Ready};
 use super::recents;
 use super::state::Source;
@@ -55,7 +55,8 @@ impl Sink for ToWindow<'_> {
         self.outbox.send(self.job, Event::Progress(progress));
     }
     fn depths(&self, depths: &Arc<RayDepths>) {
-        self.outbox.send(self.job, Event::Depths(Arc::clone(depths)));
+        let survey = Arc::new(Survey::new(depths));
+        self.outbox.send(self.job, Event::Depths(Arc::clone(depths), survey));
     }
     fn view(&self, at: ViewIndex, view: &Arc<View>) {
         self.outbox.send(self.job, Event::View(at, Arc::clone(view)));

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::document::{Document, Made};
+use super::document::{Document, Made, Survey};
 use super::jobs::{Load, secs_since, sentence};
 use super::state::Source;
 use crate::field::{DisparityMap, LightField, Photo};
@@ -37,11 +37,13 @@ impl Maker {
 
     /// Makes the light field of a document, or adds ray depths to one that came without.
     pub fn make(&mut self, document: &Document, load: &Load, job: &Job) -> Result<Made, String> {
-        match (&document.photo, &document.field) {
+        let made = match (&document.photo, &document.field) {
             (Some(photo), _) => self.of_photo(photo, document, load, job),
             (None, Some(field)) => of_views(field, document, job),
             (None, None) => Err("nothing to make a light field of — the file is empty — open another".to_owned()),
-        }
+        }?;
+        let survey = made.depths.as_deref().map(|depths| Arc::new(Survey::new(depths)));
+        Ok(Made { survey, ..made })
     }
 
     fn of_photo(&mut self, photo: &Photo, document: &Document, load: &Load, job: &Job) -> Result<Made, String> {
@@ -69,6 +71,7 @@ impl Maker {
         Ok(Made {
             field: made.field,
             depths: Some(made.depths),
+            survey: None,
             made_by: made_by.join(" + "),
             took_secs: made.took.as_secs_f64(),
             of: Box::new(document.clone()),
@@ -119,7 +122,7 @@ fn of_views(field: &Arc<LightField>, document: &Document, job: &Job) -> Result<M
     let made_by = document.made_by.clone();
     if let Some(depths) = document.depths.clone() {
         let of = Box::new(document.clone());
-        return Ok(Made { field: Arc::clone(field), depths: Some(depths), made_by, took_secs: 0.0, of });
+        return Ok(Made { field: Arc::clone(field), depths: Some(depths), survey: None, made_by, took_secs: 0.0, of });
     }
     let map = document.reference.as_ref().filter(|map| map.size == field.size());
     let depths = match map {
@@ -128,7 +131,7 @@ fn of_views(field: &Arc<LightField>, document: &Document, job: &Job) -> Result<M
     };
     let depths = Some(Arc::new(depths.map_err(|error| sentence(&error))?));
     let of = Box::new(document.clone());
-    Ok(Made { field: Arc::clone(field), depths, made_by, took_secs: secs_since(start), of })
+    Ok(Made { field: Arc::clone(field), depths, survey: None, made_by, took_secs: secs_since(start), of })
 }
 
 /// Lambertian views (paper, §3.2) of a photo whose depth is known.
@@ -146,6 +149,7 @@ fn without_nets(
     Ok(Made {
         field: made.field,
         depths: Some(made.depths),
+        survey: None,
         made_by: "the picture's own depth".to_owned(),
         took_secs: made.took.as_secs_f64(),
         of: Box::new(document.clone()),

@@ -141,7 +141,12 @@ pub fn show_in_folder(path: &Path) {
     } else {
         "xdg-open"
     };
-    if let Err(error) = std::process::Command::new(opener).arg(folder).spawn() {
+    let opened = std::process::Command::new(opener).arg(folder).spawn().and_then(|mut child| {
+        // Whoever does not wait for a child leaves its shadow behind.
+        let wait = move || child.wait().map(drop);
+        std::thread::Builder::new().name("opener".to_owned()).spawn(wait).map(drop)
+    });
+    if let Err(error) = opened {
         log::warn!("could not show the folder: {error}");
     }
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use super::document::{Document, Made};
+use super::document::{Document, Made, Survey};
 use super::tiles::TileSet;
 use crate::field::{RayDepths, View, ViewIndex};
 use crate::job::{Cancel, Progress};
@@ -34,8 +34,8 @@ pub enum Event {
     Tiles(Arc<TileSet>),
     /// A job went on a little.
     Progress(Progress),
-    /// Ray depths are there, before the views.
-    Depths(Arc<RayDepths>),
+    /// Ray depths are there, before the views, and what they say about the scene.
+    Depths(Arc<RayDepths>, Arc<Survey>),
     /// A view is there; it comes again once it is corrected.
     View(ViewIndex, Arc<View>),
     /// The light field is complete.
