@@ -68,7 +68,7 @@ fn samples(depths: &RayDepths) -> Vec<Sample> {
 fn near_from(samples: &[Sample]) -> Option<f32> {
     let low = samples.iter().map(|s| s.disparity_px).fold(f32::INFINITY, f32::min);
     let high = samples.iter().map(|s| s.disparity_px).fold(f32::NEG_INFINITY, f32::max);
-    if !(high - low > FLAT_PX) {
+    if high - low <= FLAT_PX {
         return None;
     }
     let step = (high - low) / BINS as f32;
