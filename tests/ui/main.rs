@@ -7,6 +7,5 @@
 
 mod common;
 mod edits;
-mod looks;
 mod queue;
 mod walk;
