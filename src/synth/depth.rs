@@ -76,14 +76,17 @@ impl DepthNet {
 
     fn at_scale(&self, photo: &Signed, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
         let manifest = self.net.manifest();
-        let multiple = manifest.multiple_of as usize;
-        let bucket = multiple * BUCKET_PX.div_ceil(multiple);
-        let padded = photo.size.map(|side| side.next_multiple_of(bucket));
+        let padded = bucket(photo.size, manifest.multiple_of as usize);
         let input = net_input(photo, padded, &manifest.inputs);
         let shape = [1, manifest.input_channels(), padded[1], padded[0]];
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
         Ok(NetDepths { grid: self.grid, size: photo.size, maps: crop(&output, padded, photo.size) })
     }
+}
+
+/// The size at which a net is made ready for a picture.
+fn bucket(size: [usize; 2], multiple_of: usize) -> [usize; 2] {
+    size.map(|side| side.next_multiple_of(multiple_of * BUCKET_PX.div_ceil(multiple_of)))
 }
 
 /// The channels that a net asks for, `[c, y, x]`, the last row and column repeated up to the padded size.
@@ -143,6 +146,14 @@ mod tests {
         assert_eq!(input[8..12], [-1.0, 0.0, 1.0, 1.0]);
         assert_eq!(input[16..24], [0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 5.0, 5.0]);
         assert_eq!(crop(&input[16..24], [4, 2], [3, 2]), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn photos_of_odd_shapes_share_few_sizes() {
+        let sizes: std::collections::BTreeSet<_> = (180..=202).map(|h| bucket([270, h], 1)).collect();
+        assert_eq!(sizes, [[272, 192], [272, 208]].into());
+        assert_eq!(bucket([112, 75], 16), [112, 80]);
+        assert_eq!(bucket([100, 25], 12), [120, 48]);
     }
 
     #[test]
