@@ -89,7 +89,7 @@ impl<'a> Pass<'a> {
         cancel: Option<&'a AtomicBool>,
     ) -> Self {
         // An odd number of cache lines, lest the channels' rows fall into one set of the cache.
-        let step = (piece.len().next_multiple_of(16) / 16 + 2) / 2 * 32 + 16;
+        let step = (piece.len().div_ceil(16) + 2) / 2 * 32 + 16;
         let ring = |channels: usize| Ring::new(ROWS + 2, size[0], channels, step);
         let inputs = chain.layers.iter().map(|layer| layer.channels[0]);
         let rings = inputs.chain([chain.channels()[1]]).map(ring).collect();

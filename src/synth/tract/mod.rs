@@ -130,7 +130,7 @@ impl Runnable {
     /// The net, if it is nothing but one chain of convolutions over views: it takes pictures of any size, row by row.
     pub fn volume_chain(&self) -> Option<&VolumeChain> {
         let nodes = self.plan.model().nodes();
-        let [source, chain] = &nodes[..] else { return None };
+        let [source, chain] = nodes else { return None };
         let chain = chain.op_as::<Chain>().filter(|_| source.outputs.len() == 1)?;
         match &*chain.convolutions {
             Convolutions::Volume(chain) => Some(chain),
