@@ -28,23 +28,9 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
         let title = if photos > 0 { format!("Export {photos} photos") } else { "Export".to_owned() };
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         ui.add_space(theme::GRID);
-        ui.horizontal_top(|ui| {
-            ui.spacing_mut().item_spacing.x = 5.0 * theme::GRID;
-            ui.vertical(|ui| {
-                ui.set_width(LIST_WIDTH);
-                ui.set_min_height(HEIGHT);
-                kinds(ui, &mut app.settings.export.what);
-            });
-            ui.vertical(|ui| {
-                ui.set_width(ui.available_width());
-                ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
-                let (_, hint) = app.settings.export.what.spec();
-                ui.label(RichText::new(hint).color(colors.weak));
-                ui.add_space(theme::GRID);
-                rows(ui, app);
-                place_rows(ui, app);
-            });
-        });
+        let room = (ctx.content_rect().height() - 150.0).max(120.0);
+        egui::ScrollArea::vertical().max_height(room).show(ui, |ui| body(ui, app));
+        ui.add_space(theme::GRID);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::main_button(ui, "Export").clicked() {
                 app.start_export();
@@ -60,6 +46,28 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
         app.photos_to_export.clear();
     }
     stays
+}
+
+/// What on the left, how and where on the right.
+fn body(ui: &mut Ui, app: &mut App) {
+    let colors = theme::palette(ui.ctx());
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0 * theme::GRID;
+        ui.vertical(|ui| {
+            ui.set_width(LIST_WIDTH);
+            ui.set_min_height(HEIGHT);
+            kinds(ui, &mut app.settings.export.what);
+        });
+        ui.vertical(|ui| {
+            ui.set_width(ui.available_width());
+            ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
+            let (_, hint) = app.settings.export.what.spec();
+            ui.label(RichText::new(hint).color(colors.weak));
+            ui.add_space(theme::GRID);
+            rows(ui, app);
+            place_rows(ui, app);
+        });
+    });
 }
 
 fn kinds(ui: &mut Ui, what: &mut What) {

@@ -13,23 +13,26 @@ pub fn show(ctx: &Context) -> bool {
         ui.set_width(640.0);
         ui.label(RichText::new("Shortcuts").font(theme::title(16.0)).color(colors.strong));
         ui.add_space(10.0);
-        ui.columns(2, |columns| {
-            head(&mut columns[0], "Mouse");
-            for (keys, what) in MOUSE {
-                line(&mut columns[0], what, keys);
-            }
-            let layout = [(0, &["Edit", "Viewpoint", "Light field", "Help"][..]), (1, &["View", "File"][..])];
-            for (column, groups) in layout {
-                for group in groups {
-                    head(&mut columns[column], group);
-                    for action in Action::of_group(group) {
-                        let spec = action.spec();
-                        if let Some(keys) = spec.shortcut {
-                            line(&mut columns[column], spec.label, &ctx.format_shortcut(&keys));
+        let room = ctx.content_rect().height() - 120.0;
+        egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
+            ui.columns(2, |columns| {
+                head(&mut columns[0], "Mouse");
+                for (keys, what) in MOUSE {
+                    line(&mut columns[0], what, keys);
+                }
+                let layout = [(0, &["Edit", "Viewpoint", "Light field", "Help"][..]), (1, &["View", "File"][..])];
+                for (column, groups) in layout {
+                    for group in groups {
+                        head(&mut columns[column], group);
+                        for action in Action::of_group(group) {
+                            let spec = action.spec();
+                            if let Some(keys) = spec.shortcut {
+                                line(&mut columns[column], spec.label, &ctx.format_shortcut(&keys));
+                            }
                         }
                     }
                 }
-            }
+            });
         });
     });
     !shown.should_close()

@@ -9,6 +9,9 @@ use crate::ui::queue::State;
 use crate::ui::state::Pose;
 use crate::ui::theme;
 
+/// Narrower than this, what draws and what computes is left out.
+const TIGHT_WIDTH: f32 = 720.0;
+
 /// Draws the line.
 pub fn show(app: &mut App, ui: &Ui) {
     let rect = ui.max_rect().shrink2(vec2(14.0, 0.0));
@@ -45,7 +48,9 @@ pub fn show(app: &mut App, ui: &Ui) {
     }
     let drawn = app.stage.as_ref().map_or("no device", |stage| stage.adapter.as_str());
     let threads = app.threads;
+    let is_tight = rect.width() < TIGHT_WIDTH;
     let right = match threads {
+        _ if is_tight => String::new(),
         0 => format!("drawn by {drawn}"),
         1 => format!("drawn by {drawn} · nets on 1 CPU thread"),
         _ => format!("drawn by {drawn} · nets on {threads} CPU threads"),
