@@ -64,6 +64,18 @@ pub struct LossWeights {
     /// Total variation ψ_tv (the paper: 0.01)
     #[arg(long, default_value_t = 0.005, help_heading = "Losses")]
     pub w_tv: f32,
+    /// Rays whose point the photo does not see, in ‖L̂ − L‖₁, against those that it sees (the paper: 1)
+    #[arg(long, default_value_t = 1.0, help_heading = "Losses")]
+    #[serde(default = "one")]
+    pub w_hidden: f32,
+    /// Rays that leave the crop, whose end no net can know, in ‖L̂ − L‖₁ (the paper: 1)
+    #[arg(long, default_value_t = 1.0, help_heading = "Losses")]
+    #[serde(default = "one")]
+    pub w_outside: f32,
+}
+
+fn one() -> f32 {
+    1.0
 }
 
 /// A run of the trainer.
@@ -194,6 +206,7 @@ impl Config {
                 // Scenes whose ray depths are known everywhere, and what is hidden with them.
                 mix: "lifted=0.6,collage=0.4".into(),
                 steps: 4000,
+                losses: LossWeights { w_hidden: 8.0, w_outside: 0.0, ..everyday.losses },
                 ..everyday
             },
             Preset::Joint => Self { out: "runs/joint".into(), lr: 2e-4, ..everyday.of_the_paper() },

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::TrainError;
 use crate::batch::{Batch, Draw};
-use crate::config::Config;
+use crate::config::{Config, Stage};
 use crate::loss::Maps;
 use crate::scenes::{self, Mix, Sample, Source, Split};
 
@@ -20,6 +20,8 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         mix: mix(&config.mix)?,
         seed: config.seed,
         split: Split::Train,
+        // What is hidden is learned from what the views differ by; noise of their own would be most of it.
+        noise: config.stage != Stage::Occlusion,
         augment: true,
         ..scenes::Config::default()
     })

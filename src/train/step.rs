@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use burn::tensor::Tensor;
+use rayon::prelude::*;
 
 use crate::TrainError;
 use crate::batch::Batch;
@@ -12,6 +13,7 @@ use crate::loss::{self, Maps};
 use crate::nets::{Graph, Mode, Tape, Weights, values};
 use crate::ops::Path;
 use crate::optimizer::Step;
+use crate::warp::steps;
 
 /// Values of the losses of a step, by name, before they are weighed.
 pub type Parts = BTreeMap<&'static str, f32>;
@@ -209,7 +211,7 @@ pub fn occlusion_step(
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, depth);
     let residual = tape.run3(graph, x)?;
-    let (parts, gradient) = occlusion_loss(batch, &rendered, &values(residual.clone()));
+    let (parts, gradient) = occlusion_loss(batch, &rendered, &values(residual.clone()), &config.losses);
     let gradients = with_gradient(&tape, residual, gradient).backward();
     let (gradients, statistics) = tape.finish_step(&gradients);
     let norm = update(net, config, done, &gradients, &statistics);
@@ -231,23 +233,74 @@ fn occlusion_input(tape: &Tape<'_>, maps: &Maps, rendered: &[f32], depth: &[f32]
     tape.input(input, [maps.samples, 4, nv, maps.height, maps.width])
 }
 
-/// Mean |L_r + õ − L| over views, colours and pixels in 0 … 1, its gradient with respect to the residual
-/// `[n, 3, v, h, w]` in −1 … 1, and beside it the same without the residual.
-fn occlusion_loss(batch: &Batch, rendered: &[f32], residual: &[f32]) -> (Parts, Vec<f32>) {
+/// What the photo knows of a ray's end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum End {
+    Seen,
+    /// Behind something nearer.
+    Hidden,
+    /// Beside the crop.
+    Outside,
+}
+
+/// Mean |L_r + õ − L| over views, colours and pixels in 0 … 1, and beside it the same without the residual; for all
+/// rays, then for hidden ones. The gradient with respect to the residual `[n, 3, v, h, w]` (in −1 … 1) is that of the
+/// mean in which hidden rays weigh `w_hidden` and those that leave the crop `w_outside`.
+fn occlusion_loss(batch: &Batch, rendered: &[f32], residual: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
     let (p, nv) = (batch.maps.plane(), batch.maps.views.len());
+    let ends = ends_of_rays(batch);
     let mut gradient = vec![0.0; residual.len()];
-    let (mut full, mut plain) = (0.0f64, 0.0f64);
+    let mut sums = [[0.0f64; 2]; 2];
     for (i, g) in gradient.iter_mut().enumerate() {
         let (n, c, v) = (i / (3 * nv * p), i / (nv * p) % 3, i / p % nv);
         let at = ((n * nv + v) * 3 + c) * p + i % p;
+        let end = ends[(n * nv + v) * p + i % p];
         let without = rendered[at] - batch.views[at];
         let with = without + 0.5 * residual[i];
-        plain += f64::from(without.abs());
-        full += f64::from(with.abs());
-        *g = if with == 0.0 { 0.0 } else { with.signum() / residual.len() as f32 };
+        let of = &mut sums[usize::from(end == End::Hidden)];
+        *of = [of[0] + f64::from(with.abs()), of[1] + f64::from(without.abs())];
+        let weight = match end {
+            End::Seen => 1.0,
+            End::Hidden => weights.w_hidden,
+            End::Outside => weights.w_outside,
+        };
+        *g = if with == 0.0 { 0.0 } else { weight * with.signum() / residual.len() as f32 };
     }
-    let mean = |sum: f64| (sum / residual.len() as f64) as f32;
-    (Parts::from([("full", mean(full)), ("lambertian", mean(plain))]), gradient)
+    let [rest, hidden] = sums;
+    let hidden_count = 3 * ends.iter().filter(|&&end| end == End::Hidden).count();
+    let mean = |sum: f64, count: usize| (sum / count.max(1) as f64) as f32;
+    let parts = [
+        ("full", mean(rest[0] + hidden[0], residual.len())),
+        ("lambertian", mean(rest[1] + hidden[1], residual.len())),
+        ("hidden_full", mean(hidden[0], hidden_count)),
+        ("hidden_lambertian", mean(hidden[1], hidden_count)),
+    ];
+    (Parts::from(parts), gradient)
+}
+
+/// By how much nearer the photo's surface must be for what is behind it to count as hidden, in px per view step.
+const HIDDEN_PX: f32 = 0.15;
+
+/// Where the rays `[n, v, h, w]` end. Those without a true ray depth count as seen.
+fn ends_of_rays(batch: &Batch) -> Vec<End> {
+    let (w, h, p, nv) = (batch.maps.width, batch.maps.height, batch.maps.plane(), batch.maps.views.len());
+    let end = |map: usize, i: usize| {
+        let (du, dv) = steps(batch.maps.views[map % nv]);
+        let d = batch.truth[map * p + i];
+        let (x, y) = ((i % w) as f32 + du * d, (i / w) as f32 + dv * d);
+        if d.is_nan() {
+            return End::Seen;
+        }
+        if x < 0.0 || y < 0.0 || x > (w - 1) as f32 || y > (h - 1) as f32 {
+            return End::Outside;
+        }
+        let photo = &batch.truth[(map / nv * nv + batch.maps.reference()) * p..][..p];
+        let corners = [(x.floor(), y.floor()), (x.ceil(), y.floor()), (x.floor(), y.ceil()), (x.ceil(), y.ceil())];
+        let nearer = corners.iter().all(|&(x, y)| photo[y as usize * w + x as usize] - d > HIDDEN_PX);
+        if nearer { End::Hidden } else { End::Seen }
+    };
+    let rays = batch.maps.samples * nv * p;
+    (0..rays).into_par_iter().with_min_len(p).map(|ray| end(ray / p, ray % p)).collect()
 }
 
 /// A step of both nets as the paper does: ‖L_r − L‖₁ + ‖L̂ − L‖₁ + λ_c ψ_c + λ_tv ψ_tv. The ray depths enter the
@@ -270,7 +323,7 @@ pub fn joint_step(
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), &depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, &depth).require_grad();
     let residual = tape.run3(&graphs[1], x.clone())?;
-    let (more, to_residual) = occlusion_loss(batch, &rendered, &values(residual.clone()));
+    let (more, to_residual) = occlusion_loss(batch, &rendered, &values(residual.clone()), &config.losses);
     let gradients = with_gradient(&tape, residual, to_residual.clone()).backward();
     let through_net = x.grad(&gradients).map(values).unwrap_or_default();
     let to_views = gradient_of_views(&batch.maps, &to_residual, &through_net);
@@ -296,4 +349,26 @@ fn gradient_of_views(maps: &Maps, to_residual: &[f32], through_net: &[f32]) -> V
         to_views[((n * nv + v) * 3 + c) * p + i % p] = 2.0 * (direct + through_net[input]);
     }
     to_views
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nets::REFERENCE;
+
+    #[test]
+    fn rays_end_in_sight_behind_something_or_beside_the_crop() {
+        // The leftmost view of the reference's row, then the reference: its left half is near.
+        let maps = Maps { samples: 1, views: vec![REFERENCE - 4, REFERENCE], height: 2, width: 8 };
+        let left_view = [0.0, 0.0, 0.0, 0.0, 0.0, f32::NAN, 1.0, 0.0];
+        let next_row = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0];
+        let reference = [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+        let truth = [left_view, next_row, reference, reference].concat();
+        let batch = Batch { views: vec![0.0; 3 * maps.len()], truth, first_sample: 0, yx: vec![[0.0; 4]], maps };
+        let ends = ends_of_rays(&batch);
+        let (h, s, o) = (End::Hidden, End::Seen, End::Outside);
+        assert_eq!(ends[..8], [h, h, h, h, s, s, s, s]);
+        assert_eq!(ends[8..16], [o, o, o, o, s, s, s, s]);
+        assert!(ends[16..].iter().all(|end| *end == s));
+    }
 }

@@ -40,7 +40,7 @@ impl Source {
         }
         let scene = Scene { layers, margin: canvas.margin, size: crop };
         let (mut rgb, disparity) = render(&scene, &views);
-        add_noise(rng, &mut rgb);
+        add_noise(rng, &mut rgb, &self.config);
         let origin = format!("{} and {} more", back.id, nearness.len());
         let disparity = Some(disparity);
         Sample { size: crop, views, rgb, disparity, subject: None, yx: place.yx, kind: Kind::Collage, origin }

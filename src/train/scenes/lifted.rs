@@ -116,7 +116,7 @@ impl Source {
         }
         let scene = two_layers(&canvas, &place, cutout, &depths, behind, &tone);
         let mut sample = sample(&scene, views, &place, Kind::Lifted, &picture.id);
-        add_noise(rng, &mut sample.rgb);
+        add_noise(rng, &mut sample.rgb, &self.config);
         sample.subject = Some(subject(&canvas, &place, cutout));
         sample
     }
@@ -143,7 +143,7 @@ impl Source {
         };
         let mut sample = sample(&scene, views, &place, Kind::Pseudo, &picture.id);
         if self.config.augment {
-            add_noise(rng, &mut sample.rgb);
+            add_noise(rng, &mut sample.rgb, &self.config);
         }
         sample.subject = cutout.map(|cutout| subject(&canvas, &place, cutout));
         sample

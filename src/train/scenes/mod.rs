@@ -99,6 +99,8 @@ pub struct Config {
     pub seed: u64,
     /// Training or validation pictures.
     pub split: Split,
+    /// Camera noise on every view, where samples are augmented.
+    pub noise: bool,
     /// Random crops, colours, noise and depths. Without, photos are whole (`crop` does not count) and as they are.
     pub augment: bool,
 }
@@ -115,6 +117,7 @@ impl Default for Config {
             flowers: 0.6,
             seed: 1,
             split: Split::Train,
+            noise: true,
             augment: true,
         }
     }
@@ -341,9 +344,9 @@ fn render(scene: &Scene, views: &[usize]) -> (Vec<f32>, Vec<f32>) {
 }
 
 /// Camera noise, on every view anew.
-fn add_noise(rng: &mut Rng, rgb: &mut [f32]) {
+fn add_noise(rng: &mut Rng, rgb: &mut [f32], config: &Config) {
     let deviation = rng.range(-0.005, 0.02).max(0.0);
-    if deviation == 0.0 {
+    if deviation == 0.0 || !config.noise {
         return;
     }
     for pair in rgb.chunks_exact_mut(2) {

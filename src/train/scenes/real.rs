@@ -25,7 +25,7 @@ impl Source {
             let cut = tone.apply(&cut);
             (0..3).for_each(|c| rgb.extend(cut.px.iter().map(|texel| texel[c])));
         }
-        add_noise(rng, &mut rgb);
+        add_noise(rng, &mut rgb, &self.config);
         let along = |at: usize, all: usize| 2.0 * at as f32 / (all.max(2) - 1) as f32 - 1.0;
         let (x0, x1) = (along(left, w), along(left + crop[0] - 1, w));
         let [x0, x1] = if flip { [-x1, -x0] } else { [x0, x1] };
