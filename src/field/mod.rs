@@ -22,6 +22,7 @@ mod lens;
 mod light_field;
 mod photo;
 mod ray_depths;
+mod tap;
 mod transfer;
 mod view;
 
@@ -31,6 +32,7 @@ pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
 pub use photo::{Metadata, Photo, PhotoPixels, fit_long_side};
 pub use ray_depths::RayDepths;
+pub use tap::bilinear;
 pub use transfer::Transfer;
 pub use view::View;
 

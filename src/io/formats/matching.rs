@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::field::{DisparityMap, View};
+use crate::field::{DisparityMap, View, bilinear};
 
 /// A grey picture.
 ///
@@ -52,13 +52,7 @@ impl Gray {
 
     /// The value at a place, linear between pixels, edges go on.
     pub(crate) fn tap(&self, x: f32, y: f32) -> f32 {
-        let [w, h] = self.size.map(|side| side as usize);
-        let (x, y) = (x.clamp(0.0, (w - 1) as f32), y.clamp(0.0, (h - 1) as f32));
-        let (x0, y0) = (x as usize, y as usize);
-        let (x1, y1) = ((x0 + 1).min(w - 1), (y0 + 1).min(h - 1));
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let row = |y: usize| self.values[y * w + x0] * (1.0 - fx) + self.values[y * w + x1] * fx;
-        row(y0) * (1.0 - fy) + row(y1) * fy
+        bilinear(self.size.map(|side| side as usize), x, y, |i| self.values[i])
     }
 }
 

@@ -4,10 +4,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Vec3;
 use png::{BitDepth, ColorType};
 
 use super::out;
-use crate::field::{LightField, View, ViewGrid, ViewOffset, ViewPoint};
+use crate::field::color::srgb8_from_linear;
+use crate::field::{LightField, View, ViewGrid, ViewOffset, ViewPoint, bilinear};
 use crate::io::raster;
 use crate::io::save::SaveError;
 use crate::io::sniff::Sniffed;
@@ -151,18 +153,18 @@ fn fit(picture: &Picture, tile: [u32; 2], aspect: f32) -> Vec<u8> {
     // Shrinking averages as many taps as pixels fall together.
     let taps = |scale: f32| (scale.ceil() as usize).clamp(1, 8);
     let (nx, ny) = (taps(scale_x), taps(scale_y));
+    let light = |i: usize| Vec3::from_slice(&picture.rgb_linear[i * 3..]);
     let mut rgb = Vec::with_capacity((tile[0] * tile[1] * 3) as usize);
     for y in 0..tile[1] {
         for x in 0..tile[0] {
-            let mut sum = [0.0; 3];
+            let mut sum = Vec3::ZERO;
             for (i, j) in (0..nx * ny).map(|n| (n % nx, n / nx)) {
                 let at = |n: u32, k: usize, of: usize| n as f32 + (k as f32 + 0.5) / of as f32;
                 let sx = (w - cut_w) / 2.0 + at(x, i, nx) * scale_x - 0.5;
                 let sy = (h - cut_h) / 2.0 + at(y, j, ny) * scale_y - 0.5;
-                let tap = super::tap(picture, sx, sy);
-                (0..3).for_each(|c| sum[c] += tap[c]);
+                sum += bilinear(picture.size.map(|side| side as usize), sx, sy, light);
             }
-            rgb.extend(sum.map(|light| crate::field::color::srgb8_from_linear(light / (nx * ny) as f32)));
+            rgb.extend((sum / (nx * ny) as f32).to_array().map(srgb8_from_linear));
         }
     }
     rgb
