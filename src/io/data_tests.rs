@@ -6,6 +6,7 @@ use super::*;
 use crate::field::{ViewGrid, ViewIndex};
 use crate::io::formats::layout;
 use crate::job::{Cancel, Job};
+use crate::synth::sweep;
 
 fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("PLENOSCOPE_DATA").map(PathBuf::from);
@@ -132,6 +133,39 @@ fn ground_truth_of_the_benchmark_agrees_with_the_views_in_our_sign_only() {
     };
     let (ours, other) = (error(1.0), error(-1.0));
     assert!(ours * 4.0 < other, "{ours} and {other}");
+}
+
+fn percentiles(values: &[f32], shares: [f32; 2]) -> [f32; 2] {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    shares.map(|share| sorted[((sorted.len() - 1) as f32 * share) as usize])
+}
+
+#[test]
+fn swept_depths_have_the_range_that_is_recorded() {
+    let Some(data) = data() else { return };
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    for entry in std::fs::read_dir(data.join("lightfields")).unwrap() {
+        let path = entry.unwrap().path();
+        let file = light_field(&path);
+        let map = sweep::reference_map(&file.field, &job).unwrap();
+        let [far, near] = percentiles(&map.disparity_px, [0.02, 0.98]);
+        let [far_was, near_was] = file.info.disparity_px.unwrap();
+        let both = near.min(near_was) - far.max(far_was);
+        let any = near.max(near_was) - far.min(far_was);
+        assert!(both > 0.7 * any, "{}: {far}…{near}, recorded {far_was}…{near_was}", path.display());
+    }
+}
+
+#[test]
+fn swept_depths_of_the_benchmark_agree_with_its_ground_truth() {
+    let Some(data) = data() else { return };
+    let file = light_field(&data.join("hci_cotton"));
+    let map = sweep::reference_map(&file.field, &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
+    let truth = file.reference_disparity.unwrap();
+    let errors: Vec<f32> = map.disparity_px.iter().zip(&truth.disparity_px).map(|(a, b)| (a - b).abs()).collect();
+    let [middle, most] = percentiles(&errors, [0.5, 0.8]);
+    assert!(middle < 0.04 && most < 0.1, "half of the errors are below {middle}, eight of ten below {most} px");
 }
 
 #[test]

@@ -1,14 +1,16 @@
 //! Ray depths of a light field that came without: plane sweep over its views.
 //!
-//! For each disparity the views are shifted onto the reference view; where they agree, a surface is there. A small
-//! sweep finds the range, a full-size one the map, whose doubtful parts are filled along the picture's edges.
+//! For each disparity the views are shifted onto the reference view; where they agree, a surface is there. How badly
+//! they agree is smoothed over the reference view's even regions before the best disparity is chosen (cost-volume
+//! filtering, Rhemann et al. 2011). A small sweep finds the range, a larger one the map.
 
+use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 
 use super::lift;
 use super::picture::Signed;
-use super::upsample::{self, LEAST};
-use crate::field::{DisparityMap, LightField, RayDepths, View, ViewOffset, fit_long_side};
+use super::upsample::{self, EdgeAware};
+use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewOffset, fit_long_side};
 use crate::job::{Cancelled, Job, Stage};
 
 /// Long side of the sweep that finds the range.
@@ -21,8 +23,14 @@ const FINE_LONG_SIDE: u32 = 540;
 const PLANE_STEP_PX: f32 = 0.5;
 /// Half the side of the window over which agreement is averaged.
 const WINDOW: usize = 2;
-/// Differences of colour (mean, 0 … 1) between the worst and the best plane: from no to full certainty.
-const TELLING: [f32; 2] = [0.01, 0.05];
+/// How far agreement flows over even colour, as a share of the long side.
+const REACH_SHARE: f32 = 0.025;
+/// Least brightness (0 … 2) that a view is brightened from.
+const DARKEST: f32 = 0.01;
+/// Difference of colour (mean, 0 … 1) between the worst and the best plane from which a disparity counts as found.
+const TELLING: f32 = 0.002;
+/// What a plane costs more for each pixel of disparity: where nothing tells, 0 is taken.
+const COST_PER_PX: f32 = 1e-4;
 
 /// The disparity of every ray of a light field, measured from its views.
 ///
@@ -33,6 +41,9 @@ pub fn ray_depths(field: &LightField, job: &Job) -> Result<RayDepths, Cancelled>
 }
 
 /// The disparity of the reference view.
+///
+/// # Errors
+/// Cancelled.
 pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, Cancelled> {
     let full = field.size();
     let coarse = Sweep::new(field, fit_long_side(full, COARSE_LONG_SIDE));
@@ -42,8 +53,9 @@ pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, Canc
     let ratio = fine.size[0] as f32 / coarse.size[0] as f32;
     let margin = 2.0 * coarse.step();
     let [lo, hi] = found.range();
-    let map = fine.run([(lo - margin) * ratio, (hi + margin) * ratio], job)?;
-    Ok(map.filled(field.reference(), fine.size))
+    let found = fine.run([(lo - margin) * ratio, (hi + margin) * ratio], job)?;
+    let map = DisparityMap { size: fine.size.map(|side| side as u32), disparity_px: found.disparity_px };
+    Ok(if map.size == full { map } else { upsample::to_guide(&map, field.reference()) })
 }
 
 /// Some views of a light field at one size, with the reference view.
@@ -51,12 +63,13 @@ struct Sweep {
     size: [usize; 2],
     reference: Signed,
     others: Vec<(ViewOffset, Signed)>,
+    edges: EdgeAware,
 }
 
-/// For each pixel the disparity at which the views agree best, and how telling that is, 0 … 1.
+/// For each pixel the disparity at which the views agree best, and whether they agree less elsewhere.
 struct Found {
     disparity_px: Vec<f32>,
-    certain: Vec<f32>,
+    certain: Vec<bool>,
 }
 
 /// Four of `n` rows or columns, the outermost among them.
@@ -74,8 +87,12 @@ impl Sweep {
         let chosen = some_of(grid.rows()).into_iter().flat_map(|v| columns.iter().map(move |u| v * grid.cols() + u));
         let chosen: Vec<_> =
             chosen.map(|layer| grid.view_from_layer(layer)).filter(|at| *at != grid.reference()).collect();
-        let others = chosen.par_iter().map(|at| (grid.offset(*at), Signed::resized(field.view(*at), size))).collect();
-        Self { size, reference: Signed::resized(field.reference(), size), others }
+        let reference = Signed::resized(field.reference(), size);
+        let view = |at: &ViewIndex| balanced(Signed::resized(field.view(*at), size), &reference);
+        let others = chosen.par_iter().map(|at| (grid.offset(*at), view(at))).collect();
+        let difference = |a: usize, b: usize| (reference.pixels[a] - reference.pixels[b]).abs().element_sum() / 6.0;
+        let edges = EdgeAware::new(size, REACH_SHARE * size[0].max(size[1]) as f32, difference);
+        Self { size, reference, others, edges }
     }
 
     /// Disparity between two planes.
@@ -120,21 +137,21 @@ impl Sweep {
             let mean = |sums: &[f32; 4]| (0..4).map(|i| sums[i] / views[i].max(1.0)).fold(f32::MAX, f32::min) / 6.0;
             cost.extend(halves.iter().map(mean));
         }
-        averaged(&cost, self.size)
+        let mut cost = averaged(&cost, self.size);
+        self.edges.smooth(cost.as_chunks_mut::<1>().0);
+        cost
     }
 
     /// The plane of least cost of each pixel, between planes by a parabola.
     fn best(&self, costs: &[Vec<f32>], lo: f32, step: f32) -> Found {
         let of = |i: usize| {
-            let (mut at, mut worst) = (0, 0.0f32);
-            for (plane, cost) in costs.iter().enumerate() {
-                at = if cost[i] < costs[at][i] { plane } else { at };
-                worst = worst.max(cost[i]);
-            }
-            let telling = (worst - costs[at][i] - TELLING[0]) / (TELLING[1] - TELLING[0]);
+            let cost = |plane: usize| costs[plane][i] + COST_PER_PX * (lo + step * plane as f32).abs();
+            let by_cost = |a: &usize, b: &usize| cost(*a).total_cmp(&cost(*b));
+            let at = (0..costs.len()).min_by(by_cost).unwrap_or_default();
+            let worst = costs.iter().map(|cost| cost[i]).fold(0.0, f32::max);
             let inside = at > 0 && at + 1 < costs.len();
-            let shift = if inside { valley(costs[at - 1][i], costs[at][i], costs[at + 1][i]) } else { 0.0 };
-            (lo + step * (at as f32 + shift), telling.clamp(LEAST, 1.0))
+            let shift = if inside { valley(cost(at - 1), cost(at), cost(at + 1)) } else { 0.0 };
+            (lo + step * (at as f32 + shift), worst - costs[at][i] > TELLING)
         };
         let (disparity_px, certain) = (0..self.reference.pixels.len()).into_par_iter().map(of).unzip();
         Found { disparity_px, certain }
@@ -145,6 +162,15 @@ impl Sweep {
 fn valley(before: f32, here: f32, after: f32) -> f32 {
     let bend = before - 2.0 * here + after;
     if bend > 1e-9 { ((before - after) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 }
+}
+
+/// A view made as bright as the reference view on average: the outer views of a plenoptic camera are darker, and even
+/// surfaces would be matched by their shading.
+fn balanced(mut view: Signed, reference: &Signed) -> Signed {
+    let mean = |of: &Signed| of.pixels.iter().map(|pixel| pixel.xyz() + 1.0).sum::<Vec3>() / of.pixels.len() as f32;
+    let gain = mean(reference) / mean(&view).max(Vec3::splat(DARKEST));
+    view.pixels.iter_mut().for_each(|pixel| *pixel = ((pixel.xyz() + 1.0) * gain - 1.0).extend(0.0));
+    view
 }
 
 /// The mean over a square window, separably; windows are cut at the picture's edge.
@@ -167,25 +193,13 @@ fn averaged(values: &[f32], [w, h]: [usize; 2]) -> Vec<f32> {
 impl Found {
     /// Least and greatest disparity of certain pixels, a few outliers left out.
     fn range(&self) -> [f32; 2] {
-        let sure = self.disparity_px.iter().zip(&self.certain).filter(|(_, c)| **c > 0.5).map(|(d, _)| *d);
+        let sure = self.disparity_px.iter().zip(&self.certain).filter(|(_, certain)| **certain).map(|(d, _)| *d);
         let mut sorted: Vec<f32> = sure.collect();
         sorted.sort_by(f32::total_cmp);
         if sorted.is_empty() {
             return [0.0, 0.0];
         }
         [0.005, 0.995].map(|share| sorted[((sorted.len() - 1) as f32 * share) as usize])
-    }
-
-    /// The map at the size of the reference view, doubtful parts filled from certain ones.
-    fn filled(self, guide: &View, size: [usize; 2]) -> DisparityMap {
-        let small = size.map(|side| side as u32);
-        if small == guide.size() {
-            return DisparityMap {
-                size: small,
-                disparity_px: upsample::spread(&self.disparity_px, &self.certain, guide),
-            };
-        }
-        upsample::to_guide(&DisparityMap { size: small, disparity_px: self.disparity_px }, guide)
     }
 }
 
@@ -194,7 +208,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::field::ViewGrid;
+    use crate::field::{View, ViewGrid};
     use crate::job::Cancel;
 
     /// A textured near square before a textured far plane, rendered exactly.

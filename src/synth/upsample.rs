@@ -22,7 +22,7 @@ const UNCERTAIN_PX: f32 = 0.04;
 /// The same as a multiple of the map's median slope, where that is more.
 const STEEPER_THAN_USUAL: f32 = 2.0;
 /// No pixel is wholly uncertain: its own value stays where nothing better flows in.
-pub(super) const LEAST: f32 = 1e-4;
+const LEAST: f32 = 1e-4;
 /// Passes of the domain transform, each finer.
 const PASSES: u32 = 3;
 /// Rounds of sharpening: a steep ramp of twice as many pixels becomes a step.
@@ -41,11 +41,16 @@ pub fn to_guide(map: &DisparityMap, guide: &View) -> DisparityMap {
 }
 
 /// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
-pub(super) fn spread(values: &[f32], certain: &[f32], guide: &View) -> Vec<f32> {
+fn spread(values: &[f32], certain: &[f32], guide: &View) -> Vec<f32> {
     let size = guide.size().map(|side| side as usize);
     let mut flow: Vec<[f32; 2]> = values.iter().zip(certain).map(|(d, c)| [d * c, *c]).collect();
+    let rgba = guide.rgba();
+    let difference = |a: usize, b: usize| {
+        let of = |c: usize| f32::from(rgba[a * 4 + c].abs_diff(rgba[b * 4 + c]));
+        (of(0) + of(1) + of(2)) / (3.0 * 255.0)
+    };
     let reach = FLOW_SHARE * size[0].max(size[1]) as f32;
-    domain_transform(&mut flow, &Steps::new(guide, reach), reach);
+    EdgeAware::new(size, reach, difference).smooth(&mut flow);
     let mut map: Vec<f32> = flow.iter().map(|[d, c]| d / c).collect();
     sharpen(&mut map, size);
     map
@@ -71,79 +76,83 @@ fn median(mut values: Vec<f32>) -> f32 {
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// Distances between neighbouring pixels in the domain transform: 1 on even colour, more over an edge.
-struct Steps {
-    size: [usize; 2],
-    /// To the pixel on the left.
+/// Smoothing over a picture's even regions, halted by its edges: the recursive domain transform (Gastal and Oliveira
+/// 2011).
+pub(super) struct EdgeAware {
+    width: usize,
+    /// How much of the pixel on the left flows into a pixel in the first pass.
     across: Vec<f32>,
-    /// To the pixel above.
+    /// The same of the pixel above.
     down: Vec<f32>,
 }
 
-impl Steps {
-    fn new(guide: &View, reach: f32) -> Self {
-        let [w, h] = guide.size().map(|side| side as usize);
-        let pixels = guide.rgba();
-        let between = |a: usize, b: usize| {
-            let difference = |c: usize| f32::from(pixels[a * 4 + c].abs_diff(pixels[b * 4 + c]));
-            let mean = (difference(0) + difference(1) + difference(2)) / (3.0 * 255.0);
-            1.0 + reach / COLOUR_SIGMA * (mean - COLOUR_NOISE).max(0.0)
-        };
-        let mut steps = Self { size: [w, h], across: vec![0.0; w * h], down: vec![0.0; w * h] };
-        steps.across.par_chunks_mut(w).zip(steps.down.par_chunks_mut(w)).enumerate().for_each(|(y, (across, down))| {
-            for x in 0..w {
-                let i = y * w + x;
-                across[x] = if x > 0 { between(i, i - 1) } else { f32::INFINITY };
-                down[x] = if y > 0 { between(i, i - w) } else { f32::INFINITY };
-            }
-        });
-        steps
+impl EdgeAware {
+    /// For pictures of this size, values reaching as far as `reach` pixels over even colour; `difference` is that of the
+    /// colours of two neighbours, mean of the channels, 0 … 1.
+    pub(super) fn new([w, h]: [usize; 2], reach: f32, difference: impl Fn(usize, usize) -> f32 + Sync) -> Self {
+        let first_sigma = reach * 3f32.sqrt() * 2f32.powi(PASSES as i32 - 1) / (4f32.powi(PASSES as i32) - 1.0).sqrt();
+        let rate = -(2f32.sqrt()) / first_sigma;
+        // The distance between two neighbours is 1 on even colour, more over an edge.
+        let weight = |a, b| (rate * (1.0 + reach / COLOUR_SIGMA * (difference(a, b) - COLOUR_NOISE).max(0.0))).exp();
+        let mut weights = Self { width: w, across: vec![0.0; w * h], down: vec![0.0; w * h] };
+        weights.across.par_chunks_mut(w).zip(weights.down.par_chunks_mut(w)).enumerate().for_each(
+            |(y, (row, down))| {
+                for x in 0..w {
+                    let i = y * w + x;
+                    row[x] = if x > 0 { weight(i, i - 1) } else { 0.0 };
+                    down[x] = if y > 0 { weight(i, i - w) } else { 0.0 };
+                }
+            },
+        );
+        weights
+    }
+
+    /// Smooths values, `[y, x]`.
+    pub(super) fn smooth<const N: usize>(&self, values: &mut [[f32; N]]) {
+        for pass in 0..PASSES {
+            // Each pass has half the σ of the one before: its weights are their squares.
+            let finer = |weight: f32| (0..pass).fold(weight, |weight, _| weight * weight);
+            flow_across(values, &self.across, self.width, finer);
+            flow_down(values, &self.down, self.width, finer);
+        }
     }
 }
 
-/// Smooths pairs of (value · weight, weight) over the photo's even regions.
-fn domain_transform(flow: &mut [[f32; 2]], steps: &Steps, reach: f32) {
-    for pass in 0..PASSES {
-        let sigma =
-            reach * 3f32.sqrt() * 2f32.powi((PASSES - pass - 1) as i32) / (4f32.powi(PASSES as i32) - 1.0).sqrt();
-        let rate = -(2f32.sqrt()) / sigma;
-        let weights = |distances: &[f32]| distances.par_iter().map(|d| (rate * d).exp()).collect::<Vec<f32>>();
-        flow_across(flow, &weights(&steps.across), steps.size[0]);
-        flow_down(flow, &weights(&steps.down), steps.size[0]);
-    }
-}
-
-fn blend(pixel: &mut [f32; 2], from: [f32; 2], weight: f32) {
-    pixel[0] += weight * (from[0] - pixel[0]);
-    pixel[1] += weight * (from[1] - pixel[1]);
+fn blend<const N: usize>(pixel: &mut [f32; N], from: [f32; N], weight: f32) {
+    (0..N).for_each(|c| pixel[c] += weight * (from[c] - pixel[c]));
 }
 
 /// Left to right and back, row by row. `weights[i]` ties pixel i to the one on its left.
-fn flow_across(flow: &mut [[f32; 2]], weights: &[f32], width: usize) {
-    flow.par_chunks_mut(width).zip(weights.par_chunks(width)).for_each(|(row, weights)| {
+fn flow_across<const N: usize>(
+    values: &mut [[f32; N]],
+    weights: &[f32],
+    width: usize,
+    finer: impl Fn(f32) -> f32 + Sync,
+) {
+    values.par_chunks_mut(width).zip(weights.par_chunks(width)).for_each(|(row, weights)| {
         for x in 1..width {
             let from = row[x - 1];
-            blend(&mut row[x], from, weights[x]);
+            blend(&mut row[x], from, finer(weights[x]));
         }
         for x in (1..width).rev() {
             let from = row[x];
-            blend(&mut row[x - 1], from, weights[x]);
+            blend(&mut row[x - 1], from, finer(weights[x]));
         }
     });
 }
 
 /// Top to bottom and back. `weights[i]` ties pixel i to the one above.
-fn flow_down(flow: &mut [[f32; 2]], weights: &[f32], width: usize) {
-    let height = flow.len() / width;
+fn flow_down<const N: usize>(values: &mut [[f32; N]], weights: &[f32], width: usize, finer: impl Fn(f32) -> f32) {
+    let height = values.len() / width;
     for y in 1..height {
-        let (above, row) = flow[(y - 1) * width..(y + 1) * width].split_at_mut(width);
+        let (above, row) = values[(y - 1) * width..(y + 1) * width].split_at_mut(width);
         let weights = &weights[y * width..(y + 1) * width];
-        row.iter_mut().zip(above).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, *weight));
+        row.iter_mut().zip(above).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, finer(*weight)));
     }
     for y in (1..height).rev() {
-        let (above, row) = flow[(y - 1) * width..(y + 1) * width].split_at_mut(width);
+        let (above, row) = values[(y - 1) * width..(y + 1) * width].split_at_mut(width);
         let weights = &weights[y * width..(y + 1) * width];
-        above.iter_mut().zip(row).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, *weight));
+        above.iter_mut().zip(row).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, finer(*weight)));
     }
 }
 

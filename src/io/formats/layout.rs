@@ -3,7 +3,8 @@
 //!
 //! Turning the grid upside down *and* left to right (both signs at once) changes nothing but the sign of every
 //! disparity: colours cannot tell that. [`Layout::opposite`] is the toggle. (What hides what could tell it in principle;
-//! tried at this size, it was wrong on a benchmark scene.)
+//! with the depths that a sweep finds it was right on seven scenes and wrong on a statue before an even wall, whose
+//! outline the sweep gives to the wall.)
 
 use std::sync::Arc;
 
