@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use plenoscope::field::DisparityMap;
-use plenoscope::io::formats::{depth_out, ply, stereo};
+use plenoscope::io::formats::depth_out::{self, Seen};
+use plenoscope::io::formats::{ply, stereo};
 use plenoscope::job::{Job, Stage};
 use plenoscope::render::cpu;
 
@@ -54,7 +55,8 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
             let depths = scene.depths(job)?;
             let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
             job.advance(Stage::Save, 0, 1)?;
-            Ok(depth_out::write_gdepth(&args.output, scene.field.reference(), &map, GDEPTH_QUALITY)?)
+            let seen = scene.photo.as_deref().map_or(Seen::View(scene.field.reference()), Seen::Photo);
+            Ok(depth_out::write_gdepth(&args.output, seen, &map, GDEPTH_QUALITY)?)
         }
     }
 }

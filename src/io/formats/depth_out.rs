@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -10,8 +11,8 @@ use png::{BitDepth, ColorType};
 
 use super::out;
 use super::pfm;
-use crate::field::{DisparityMap, View};
-use crate::io::save::SaveError;
+use crate::field::{DisparityMap, Photo, View};
+use crate::io::save::{SaveError, exif};
 
 /// Writes a map as PFM: every bit is kept.
 ///
@@ -37,17 +38,51 @@ pub fn write_png16(path: &Path, map: &DisparityMap) -> Result<(), SaveError> {
 
 /// Longest piece of extended XMP in one segment.
 const CHUNK_BYTES: usize = 65_400;
+/// Longest content of a segment, less its head.
+const MAX_SEGMENT_BYTES: usize = 65_500;
 /// Far over near in a map whose unit nobody knows.
 const FAR: f32 = 10.0;
 
-/// Writes a JPEG of the view with the map as GDepth (`RangeInverse`, white far, stretched to the picture), in extended
-/// XMP as phones write it. Units are left open: disparity alone knows no metres.
+/// What a map is the depth of.
+#[derive(Clone, Copy, Debug)]
+pub enum Seen<'a> {
+    /// A photo, at its own size, with its EXIF block.
+    Photo(&'a Photo),
+    /// A view of a light field.
+    View(&'a View),
+}
+
+impl Seen<'_> {
+    fn size(self) -> [u32; 2] {
+        match self {
+            Self::Photo(photo) => photo.size(),
+            Self::View(view) => view.size(),
+        }
+    }
+
+    fn rgba(self) -> Arc<[u8]> {
+        match self {
+            Self::Photo(photo) => Arc::clone(photo.srgb8()),
+            Self::View(view) => view.rgba().into(),
+        }
+    }
+
+    /// The photo's EXIF block for an upright picture without thumbnail.
+    fn exif(self) -> Option<Vec<u8>> {
+        let Self::Photo(photo) = self else { return None };
+        let edit = exif::Edit { size: photo.size(), strip_gps: false, thumbnail: None };
+        exif::edited(photo.metadata().exif.as_deref()?, &edit)
+    }
+}
+
+/// Writes an sRGB JPEG with the map as GDepth (`RangeInverse`, 16 bits, white far, stretched to the picture), in
+/// extended XMP as phones write it. Units are left open: disparity alone knows no metres.
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
-pub fn write_gdepth(path: &Path, view: &View, map: &DisparityMap, quality: u8) -> Result<(), SaveError> {
+pub fn write_gdepth(path: &Path, seen: Seen, map: &DisparityMap, quality: u8) -> Result<(), SaveError> {
     let why = |error: &dyn std::fmt::Display| SaveError::Encode { why: error.to_string(), path: path.to_owned() };
-    let [width, height] = view.size().map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+    let [width, height] = seen.size().map(|side| u16::try_from(side).unwrap_or(u16::MAX));
     let mut depth = Vec::new();
     depth_png(&mut depth, map).map_err(|error| why(&error))?;
     let extended = format!(
@@ -60,6 +95,10 @@ pub fn write_gdepth(path: &Path, view: &View, map: &DisparityMap, quality: u8) -
     let mut jpeg = Vec::new();
     let mut encoder = Encoder::new(&mut jpeg, quality);
     encoder.set_sampling_factor(SamplingFactor::R_4_4_4);
+    // A block too long for a segment is left out: the picture matters more.
+    if let Some(block) = seen.exif().filter(|block| block.len() < MAX_SEGMENT_BYTES) {
+        encoder.add_app_segment(1, &[b"Exif\0\0", &block[..]].concat()).map_err(|error| why(&error))?;
+    }
     encoder.add_app_segment(1, main_packet(&guid).as_bytes()).map_err(|error| why(&error))?;
     for (n, data) in extended.as_bytes().chunks(CHUNK_BYTES).enumerate() {
         let mut segment = b"http://ns.adobe.com/xmp/extension/\0".to_vec();
@@ -69,7 +108,7 @@ pub fn write_gdepth(path: &Path, view: &View, map: &DisparityMap, quality: u8) -
         segment.extend(data);
         encoder.add_app_segment(1, &segment).map_err(|error| why(&error))?;
     }
-    encoder.encode(view.rgba(), width, height, JpegColor::Rgba).map_err(|error| why(&error))?;
+    encoder.encode(&seen.rgba(), width, height, JpegColor::Rgba).map_err(|error| why(&error))?;
     out::single(path, |out| out.write_all(&jpeg))
 }
 
@@ -83,13 +122,14 @@ fn main_packet(guid: &str) -> String {
     )
 }
 
-/// 8-bit grey: inverse depth is linear in disparity, so `n = (near − d) / (near − far)`.
+/// 16-bit grey: inverse depth is linear in disparity, so `n = (near − d) / (near − far)`.
 fn depth_png(bytes: &mut Vec<u8>, map: &DisparityMap) -> std::io::Result<()> {
     let [far, near] = map.range_px();
-    let scale = if near > far { 255.0 / (near - far) } else { 0.0 };
+    let scale = if near > far { 65_535.0 / (near - far) } else { 0.0 };
+    let value = |d: f32| (((near - d) * scale).round() as u16).to_be_bytes();
     let rows = map.disparity_px.chunks_exact(map.size[0] as usize);
-    let rows = rows.map(|row| row.iter().map(|&d| ((near - d) * scale).round() as u8).collect());
-    out::png(bytes, map.size, (ColorType::Grayscale, BitDepth::Eight), &[], rows)
+    let rows = rows.map(|row| row.iter().flat_map(|&d| value(d)).collect());
+    out::png(bytes, map.size, (ColorType::Grayscale, BitDepth::Sixteen), &[], rows)
 }
 
 #[cfg(test)]
@@ -106,14 +146,39 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("depth.jpg");
         let view = View::new([128, 96], [90, 120, 60, 255].repeat(128 * 96)).unwrap();
-        write_gdepth(&path, &view, &map(), 90).unwrap();
+        write_gdepth(&path, Seen::View(&view), &map(), 90).unwrap();
         let Opened::Photo(file) = open_bytes(&std::fs::read(&path).unwrap(), None).unwrap() else { panic!("a photo") };
         assert!(file.warnings.is_empty(), "{:?}", file.warnings);
         let depth = file.depth.as_ref().unwrap();
         assert_eq!((depth.kind, depth.size, depth.metric), (DepthKind::Gdepth, [64, 48], false));
         let back = depth.disparity([-1.0, 1.0]);
         assert!(back.at(63, 5) > 0.95 && back.at(0, 5) < -0.95, "right is near, as it was written");
-        assert!((back.at(32, 5) - (back.at(0, 5) + back.at(63, 5)) / 2.0).abs() < 0.03, "and linear in disparity");
+        let worst = |(got, x): (&f32, usize)| {
+            (got - (back.at(0, 0) * (63 - x) as f32 + back.at(63, 0) * x as f32) / 63.0).abs()
+        };
+        let row = back.disparity_px[..64].iter().zip(0..64).map(worst);
+        assert!(row.fold(0.0, f32::max) < 1e-4, "and linear in disparity, to 16 bits");
+    }
+
+    #[test]
+    fn a_photo_keeps_its_size_and_its_exif_block() {
+        let dir = tempfile::tempdir().unwrap();
+        let (source, path) = (dir.path().join("photo.jpg"), dir.path().join("depth.jpg"));
+        // Orientation 6: the photo stands upright in the file that is written.
+        let block = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
+        let mut jpeg = Vec::new();
+        let mut encoder = Encoder::new(&mut jpeg, 90);
+        encoder.add_app_segment(1, block).unwrap();
+        encoder.encode(&[90; 96 * 48], 96, 48, JpegColor::Luma).unwrap();
+        std::fs::write(&source, jpeg).unwrap();
+        let open = |path: &Path| match open_bytes(&std::fs::read(path).unwrap(), None).unwrap() {
+            Opened::Photo(file) => file,
+            Opened::LightField(_) => panic!("a photo"),
+        };
+        write_gdepth(&path, Seen::Photo(&open(&source).photo), &map(), 90).unwrap();
+        let file = open(&path);
+        assert_eq!((file.info.size, file.info.orientation), ([48, 96], 1));
+        assert!(file.photo.metadata().exif.is_some() && file.depth.is_some());
     }
 
     #[test]

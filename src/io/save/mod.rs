@@ -5,7 +5,7 @@
 mod animation;
 mod atomic;
 mod encode;
-mod exif;
+pub(crate) mod exif;
 #[cfg(test)]
 mod tests;
 mod webp_animation;
@@ -32,6 +32,9 @@ pub enum SaveError {
     /// The folder is not there.
     #[error("the picture cannot be saved — its folder does not exist — make it first, or choose another: {}", .0.display())]
     NoFolder(PathBuf),
+    /// A file where a folder is to be.
+    #[error("the folder cannot be made — there is a file of that name — choose another name: {}", .0.display())]
+    InTheWay(PathBuf),
     /// The target is the photo itself.
     #[error("the picture would replace the photo that it is made from — choose another name, or ask for it (--force): {}", .0.display())]
     IsSource(PathBuf),
@@ -76,6 +79,7 @@ impl SaveError {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => Self::DiskFull(path),
             ErrorKind::NotFound | ErrorKind::NotADirectory => Self::NoFolder(path),
             ErrorKind::IsADirectory => Self::IsFolder(path),
+            ErrorKind::AlreadyExists => Self::InTheWay(path),
             _ => Self::Encode { why: error.to_string(), path },
         }
     }
