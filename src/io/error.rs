@@ -57,6 +57,16 @@ pub enum Problem {
         /// What to do.
         advice: &'static str,
     },
+    /// Longer than what it should hold.
+    #[error(
+        "could not open the file — it has {length_kib} KiB, where {limit_kib} KiB are the most — choose another one"
+    )]
+    TooLong {
+        /// Its length.
+        length_kib: u64,
+        /// The most that is read.
+        limit_kib: u64,
+    },
     /// It ends too early.
     #[error("could not open the {format} file — it is cut off — copy it again from where it came from")]
     Truncated {
@@ -85,6 +95,18 @@ pub enum Problem {
         /// Most bytes of decoded pixels.
         limit_mib: u64,
     },
+    /// More pixels than the file's length can stand for.
+    #[error(
+        "could not open the file — its header says {width}×{height} pixels, and it has only {file_kib} KiB — copy it again, or save it anew with the program that made it"
+    )]
+    Implausible {
+        /// Width in the header.
+        width: u64,
+        /// Height in the header.
+        height: u64,
+        /// Length of the file.
+        file_kib: usize,
+    },
     /// A view is not there.
     #[error(
         "could not open the light field — view (v {v}, u {u}) of {rows}×{cols} is missing — put the file back into the folder"
@@ -98,6 +120,18 @@ pub enum Problem {
         rows: usize,
         /// Columns of the grid.
         cols: usize,
+    },
+    /// A view of another size than the others.
+    #[error(
+        "could not open the light field — one view has {width}×{height} pixels, the others {}×{} — make all views with one size", others[0], others[1]
+    )]
+    OddView {
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+        /// Width and height of the first view.
+        others: [u32; 2],
     },
     /// Views and maps do not fit together.
     #[error("could not open the light field — {0} — make all views again with one size")]
@@ -129,6 +163,14 @@ impl Problem {
 
     /// Something in the file contradicts itself.
     pub(crate) fn damaged(format: &'static str, reason: impl ToString) -> Self {
-        Self::Damaged { format, reason: reason.to_string() }
+        Self::Damaged { format, reason: part_of_a_sentence(&reason.to_string()) }
     }
+}
+
+/// What a library says, which may quote the file, as a part of one sentence: in one line, short, without full stop.
+pub(crate) fn part_of_a_sentence(text: &str) -> String {
+    const MOST_CHARS: usize = 200;
+    let printable: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let line = printable.split_whitespace().collect::<Vec<_>>().join(" ");
+    line.trim_end_matches('.').chars().take(MOST_CHARS).collect()
 }

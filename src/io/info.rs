@@ -132,6 +132,19 @@ pub enum DepthKind {
     SideFile,
 }
 
+impl std::fmt::Display for DepthKind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Gdepth => "GDepth",
+            Self::DynamicDepth => "Dynamic Depth",
+            Self::ApplePortrait => "Apple portrait",
+            Self::SpatialPair => "from both eyes of a spatial photo",
+            Self::LytroTable => "Lytro's depth table",
+            Self::SideFile => "a file beside the photo",
+        })
+    }
+}
+
 /// What `info` says of embedded depth.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DepthInfo {

@@ -1,5 +1,7 @@
 //! The front door: a path or some bytes → what is in them.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -11,7 +13,9 @@ use crate::field::Photo;
 use crate::job::{Cancel, Job, Stage};
 
 /// The longest file that is read: a light field of 17×17 views in one TIFF stays below.
-const MAX_FILE_BYTES: u64 = 2 << 30;
+pub(crate) const MAX_FILE_BYTES: u64 = 1 << 30;
+/// The longest text that is read: an index file.
+pub(crate) const MAX_TEXT_BYTES: u64 = 16 << 20;
 
 /// Opens a photo or a light field: a file, or a folder of views. A folder of photos opens as its first photo.
 ///
@@ -45,9 +49,10 @@ fn open_path(path: &Path, job: &Job) -> Result<Opened, Problem> {
     let mut opened = open_content(&bytes, Some(path), job)?;
     if let Opened::Photo(file) = &mut opened
         && file.depth.is_none()
-        && let Some(depth) = phone::side_file::find(path, &file.photo, &mut file.warnings)
     {
-        file.set_depth(depth);
+        let beside = phone::side_file::find(path, &file.photo);
+        beside.depth.into_iter().for_each(|depth| file.set_depth(depth));
+        beside.warning.into_iter().for_each(|text| file.warn(text));
     }
     Ok(opened)
 }
@@ -60,15 +65,21 @@ fn open_folder(path: &Path, job: &Job) -> Result<Opened, Problem> {
     open_path(&first, job).map_err(Problem::of(&first))
 }
 
-/// Reads a file whole, but not one that is too long to be a picture.
+/// Reads a picture file whole; one that is none is not read beyond its first bytes.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+    let mut head = Vec::new();
+    File::open(path)?.take(64).read_to_end(&mut head)?;
+    if !head.is_empty() && sniff(&head).is_none() {
+        return Err(Problem::Unknown);
+    }
+    read_up_to(path, MAX_FILE_BYTES)
+}
+
+/// Reads a file whole, but not one that is longer than what it should hold.
+pub(crate) fn read_up_to(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Problem> {
     let length = std::fs::metadata(path)?.len();
-    if length > MAX_FILE_BYTES {
-        return Err(Problem::Unsupported {
-            format: "very long",
-            reason: format!("it has {} MiB", length >> 20),
-            advice: "open a file of at most 2 GiB",
-        });
+    if length > max_bytes {
+        return Err(Problem::TooLong { length_kib: length.div_ceil(1024), limit_kib: max_bytes.div_ceil(1024) });
     }
     Ok(std::fs::read(path)?)
 }

@@ -246,7 +246,8 @@ fn damaged_files_never_panic() {
     let dir = tempfile::tempdir().unwrap();
     let view = crate::field::View::new([24, 16], [90, 120, 60, 255].repeat(24 * 16)).unwrap();
     let map = DisparityMap::constant([8, 6], 1.0);
-    formats::depth_out::write_gdepth(&dir.path().join("d.jpg"), &view, &map, 90).unwrap();
+    formats::depth_out::write_gdepth(&dir.path().join("d.jpg"), formats::depth_out::Seen::View(&view), &map, 90)
+        .unwrap();
     files.push(std::fs::read(dir.path().join("d.jpg")).unwrap());
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     for whole in &files {

@@ -1,6 +1,7 @@
 //! XMP packets, flattened: every property with its namespace, its value, and the element that it belongs to.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
@@ -10,7 +11,7 @@ use quick_xml::{Reader, XmlVersion};
 /// One property: an attribute, or an element with text.
 #[derive(Debug)]
 struct Property {
-    namespace: String,
+    namespace: Arc<str>,
     name: String,
     value: String,
     /// The element that an attribute stands in, or that encloses a text element.
@@ -25,6 +26,8 @@ pub(crate) struct Xmp {
 
 /// Elements inside one another beyond this are not XMP.
 const MAX_DEPTH: usize = 64;
+/// Properties beyond this are not a photo's.
+const MAX_PROPERTIES: usize = 100_000;
 
 /// An element that is open while the packet is read.
 struct Open {
@@ -46,6 +49,9 @@ impl Xmp {
         let mut open: Vec<Open> = Vec::new();
         let mut next_id = 0;
         loop {
+            if xmp.properties.len() > MAX_PROPERTIES {
+                return Err(format!("its XMP has more than {MAX_PROPERTIES} properties"));
+            }
             match reader.read_event().map_err(|error| format!("its XMP is not XML ({error})"))? {
                 Event::Start(start) => {
                     next_id += 1;
@@ -79,7 +85,7 @@ impl Xmp {
         &mut self,
         start: &BytesStart,
         id: usize,
-        prefixes: &mut HashMap<String, String>,
+        prefixes: &mut HashMap<String, Arc<str>>,
     ) -> Result<(), String> {
         let broken = |error: &dyn std::fmt::Display| format!("its XMP is not XML ({error})");
         let mut found = Vec::new();
@@ -88,7 +94,7 @@ impl Xmp {
             let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| broken(&error))?;
             match attribute.key.0.strip_prefix("xmlns:") {
                 Some(prefix) => {
-                    prefixes.insert(prefix.to_owned(), value.into_owned());
+                    prefixes.insert(prefix.to_owned(), value.into());
                 }
                 None => found.push((attribute.key.0.to_owned(), value.into_owned())),
             }
@@ -99,7 +105,7 @@ impl Xmp {
         Ok(())
     }
 
-    fn push(&mut self, qualified: &str, value: String, owner: usize, prefixes: &HashMap<String, String>) {
+    fn push(&mut self, qualified: &str, value: String, owner: usize, prefixes: &HashMap<String, Arc<str>>) {
         let (prefix, name) = qualified.split_once(':').unwrap_or(("", qualified));
         let namespace = prefixes.get(prefix).cloned().unwrap_or_default();
         self.properties.push(Property { namespace, name: name.to_owned(), value, owner });
@@ -107,7 +113,7 @@ impl Xmp {
 
     /// The first property of a name.
     pub(crate) fn get(&self, namespace: &str, name: &str) -> Option<&str> {
-        let found = self.properties.iter().find(|p| p.name == name && p.namespace == namespace)?;
+        let found = self.properties.iter().find(|p| p.name == name && &*p.namespace == namespace)?;
         Some(&found.value)
     }
 
@@ -126,13 +132,13 @@ impl Xmp {
 
     /// Whether anything of a namespace is there.
     pub(crate) fn has(&self, namespace: &str) -> bool {
-        self.properties.iter().any(|p| p.namespace == namespace)
+        self.properties.iter().any(|p| &*p.namespace == namespace)
     }
 
     /// The elements that own properties of a namespace, each as its name and value pairs, in file order.
     pub(crate) fn groups(&self, namespace: &str) -> Vec<Vec<(&str, &str)>> {
         let mut groups: Vec<(usize, Vec<(&str, &str)>)> = Vec::new();
-        for p in self.properties.iter().filter(|p| p.namespace == namespace) {
+        for p in self.properties.iter().filter(|p| &*p.namespace == namespace) {
             match groups.iter_mut().find(|(owner, _)| *owner == p.owner) {
                 Some((_, group)) => group.push((&p.name, &p.value)),
                 None => groups.push((p.owner, vec![(&p.name, &p.value)])),

@@ -36,7 +36,8 @@ fn describe(info: &FileInfo) -> String {
         lines.push(("profile", info.profile.clone().unwrap_or_else(|| "sRGB (none named)".to_owned())));
     }
     if let Some(depth) = &info.embedded_depth {
-        lines.push(("depth", format!("{} × {} px, {}", depth.size[0], depth.size[1], name_of(&depth.kind))));
+        let reach = depth.range_m.map(|[near, far]| format!(", {near:.2} … {far:.2} m")).unwrap_or_default();
+        lines.push(("depth", format!("{} × {} px, {}{reach}", depth.size[0], depth.size[1], depth.kind)));
     }
     if let Some(f35_mm) = info.f35_mm {
         lines.push(("focal length", format!("{f35_mm} mm as on 35-mm film")));
@@ -47,9 +48,4 @@ fn describe(info: &FileInfo) -> String {
     let known = lines.iter().map(|(name, text)| format!("{name:14}{text}"));
     let notes = info.notes.iter().map(|(name, text)| format!("{name:14}{text}"));
     known.chain(notes).collect::<Vec<_>>().join("\n")
-}
-
-/// The name that JSON has for a value without fields.
-fn name_of(value: &impl serde::Serialize) -> String {
-    serde_json::to_value(value).ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()
 }

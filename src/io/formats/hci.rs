@@ -11,7 +11,7 @@ use super::grid_names;
 use super::out::{self, Source};
 use super::{pfm, views};
 use crate::field::{RayDepths, ViewGrid, ViewIndex};
-use crate::io::open::read_file;
+use crate::io::open::{MAX_TEXT_BYTES, read_up_to};
 use crate::io::save::SaveError;
 use crate::io::{FileInfo, LightFieldFile, Problem};
 use crate::job::Job;
@@ -33,7 +33,7 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
         return Ok(None);
     }
     let mut warnings = Vec::new();
-    let config = match read_file(&folder.join(CONFIG)) {
+    let config = match read_up_to(&folder.join(CONFIG), MAX_TEXT_BYTES) {
         Ok(bytes) => parse_config(&String::from_utf8_lossy(&bytes)),
         Err(_unreadable) => {
             warnings.push("parameters.cfg is missing, so the number of views tells the grid".to_owned());
@@ -55,7 +55,7 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
     let depths = views::read_depths(&field, name, job, &mut warnings)?;
     let truth = folder.join("gt_disp_lowres.pfm");
     let reference_disparity = if truth.is_file() {
-        let map = read_file(&truth).and_then(|bytes| pfm::parse_pfm(&bytes));
+        let map = pfm::read_sized(&truth, field.size());
         map.map_err(|problem| warnings.push(format!("the disparity is left out — {problem}: {}", truth.display()))).ok()
     } else {
         None

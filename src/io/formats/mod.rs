@@ -25,7 +25,6 @@ use std::sync::Arc;
 use super::sniff::Sniffed;
 use super::{LightFieldFile, Problem};
 use crate::job::Job;
-use crate::render::Picture;
 
 pub use out::Source;
 
@@ -45,7 +44,7 @@ pub enum Keeps {
 /// One line of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// Its name on the command line (`--as`, `--format`), where it is written.
+    /// How the command line calls it where it is written: `--as`, `--format`, a command, or a file's ending.
     pub id: &'static str,
     /// What people call it.
     pub name: &'static str,
@@ -59,22 +58,31 @@ pub struct Entry {
     pub suffix: Option<&'static str>,
 }
 
-/// Who reads and writes what.
-pub const TABLE: [Entry; 16] = [
-    both("views", "views folder", "views", Keeps::ViewsAndDepths, None),
-    both("hci", "HCI 4-D benchmark folder", "hci", Keeps::ViewsAndDepths, None),
-    both("stanford", "Stanford archive folder", "stanford", Keeps::Views, None),
+/// Who reads and writes what. The README's table has the same lines; a test compares them.
+pub const TABLE: [Entry; 19] = [
+    both("refocus", "photo: JPEG, PNG, TIFF, WebP", "raster", Keeps::Made, Some("jpg")),
+    read_only("photo: HEIC, BMP, PNM, GIF (first frame)", "raster"),
+    both(
+        "views",
+        "folder of views (`view_V_U.png`, `disparity_V_U.pfm`, `lightfield.json`)",
+        "views",
+        Keeps::ViewsAndDepths,
+        None,
+    ),
+    both("hci", "HCI 4-D benchmark scene", "hci", Keeps::ViewsAndDepths, None),
+    both("stanford", "Stanford archive", "stanford", Keeps::Views, None),
     both("eslf", "ESLF lenslet picture", "eslf", Keeps::Views, Some("png")),
     both("quilt", "Looking Glass quilt", "quilt", Keeps::Made, Some("png")),
-    both("pfm", "PFM map", "pfm", Keeps::OneMap, Some("pfm")),
-    both("depth-png", "depth map, 16-bit PNG", "depth_map", Keeps::Made, Some("png")),
-    both("gdepth", "JPEG with GDepth", "phone::gdepth", Keeps::Made, Some("jpg")),
-    read_only("folder of numbered views", "grid_names"),
-    read_only("JPEG with Dynamic Depth", "phone::dynamic"),
-    read_only("Apple portrait (HEIC, JPEG)", "phone::apple"),
-    read_only("spatial photo (HEIC)", "phone::spatial"),
-    read_only("processed Lytro file (-stk.lfp)", "lytro"),
-    write_only("side-by-side", "side-by-side stereo picture", "stereo", "png"),
+    both(".pfm", "depth map: PFM", "pfm", Keeps::OneMap, Some("pfm")),
+    both(".png", "depth map: 16-bit PNG", "depth_map", Keeps::Made, Some("png")),
+    both("gdepth", "phone depth: GDepth", "phone::gdepth", Keeps::Made, Some("jpg")),
+    read_only("folder of views with other names", "grid_names"),
+    read_only("phone depth: Dynamic Depth", "phone::dynamic"),
+    read_only("phone depth: Apple portrait (HEIC, JPEG)", "phone::apple"),
+    read_only("phone depth: spatial photo (HEIC)", "phone::spatial"),
+    read_only("phone depth: file beside the photo (`_DEPTH`)", "phone::side_file"),
+    read_only("processed Lytro file (`-stk.lfp`)", "lytro"),
+    write_only("side-by-side", "side-by-side stereo", "stereo", "png"),
     write_only("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),
     write_only("ply", "PLY point cloud", "ply", "ply"),
 ];
@@ -140,17 +148,4 @@ fn check_layout(file: &mut LightFieldFile) {
     file.info.views = Some([grid.rows(), grid.cols()]);
     file.layout = guess.layout;
     file.warn(format!("the views were laid out anew, because they fit together better so: {}", guess.layout));
-}
-
-/// Linear light between pixels of a picture, edges go on.
-fn tap(picture: &Picture, x: f32, y: f32) -> [f32; 3] {
-    let [w, h] = picture.size.map(|side| side as usize);
-    let (x, y) = (x.clamp(0.0, (w - 1) as f32), y.clamp(0.0, (h - 1) as f32));
-    let (x0, y0) = (x as usize, y as usize);
-    let (x1, y1) = ((x0 + 1).min(w - 1), (y0 + 1).min(h - 1));
-    let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-    std::array::from_fn(|c| {
-        let at = |x: usize, y: usize| picture.rgb_linear[(y * w + x) * 3 + c];
-        (at(x0, y0) * (1.0 - fx) + at(x1, y0) * fx) * (1.0 - fy) + (at(x0, y1) * (1.0 - fx) + at(x1, y1) * fx) * fy
-    })
 }

@@ -4,18 +4,31 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use crate::field::DisparityMap;
+use crate::io::open::{MAX_FILE_BYTES, read_up_to};
 use crate::io::raster::check_size;
 use crate::io::{OpenError, Problem};
 
 const FORMAT: &str = "PFM";
+/// A header with comments that somebody wrote by hand.
+const MAX_HEADER_BYTES: u64 = 64 << 10;
 
 /// Reads a map of one channel from a file.
 ///
 /// # Errors
 /// [`OpenError`], if it is cut off, too large, or has three channels.
 pub fn read_pfm(path: &Path) -> Result<DisparityMap, OpenError> {
-    let bytes = crate::io::open::read_file(path).map_err(OpenError::at(Some(path)))?;
-    parse_pfm(&bytes).map_err(OpenError::at(Some(path)))
+    read_up_to(path, MAX_FILE_BYTES).and_then(|bytes| parse_pfm(&bytes)).map_err(OpenError::at(Some(path)))
+}
+
+/// Reads a map that must have this size; a file that is too long for it is not read.
+pub(crate) fn read_sized(path: &Path, size: [u32; 2]) -> Result<DisparityMap, Problem> {
+    let most = u64::from(size[0]) * u64::from(size[1]) * 4 + MAX_HEADER_BYTES;
+    let map = parse_pfm(&read_up_to(path, most)?)?;
+    if map.size != size {
+        let ([w, h], [want_w, want_h]) = (map.size, size);
+        return Err(Problem::damaged(FORMAT, format!("it has {w}×{h} values for views of {want_w}×{want_h} pixels")));
+    }
+    Ok(map)
 }
 
 /// Reads a map of one channel from memory.
@@ -30,7 +43,7 @@ pub fn parse_pfm(bytes: &[u8]) -> Result<DisparityMap, Problem> {
     let width: u32 = next_number(&mut rest)?;
     let height: u32 = next_number(&mut rest)?;
     let scale: f32 = next_number(&mut rest)?;
-    check_size(width.into(), height.into(), 4)?;
+    check_size(width.into(), height.into(), 4, bytes.len())?;
     if scale == 0.0 || !scale.is_finite() {
         return Err(Problem::damaged(FORMAT, "its scale is 0 or not a number"));
     }
@@ -121,6 +134,7 @@ mod tests {
             assert!(parse_pfm(&whole[..end]).is_err(), "cut at {end}");
         }
         assert!(matches!(parse_pfm(b"Pf\n40000 40000\n-1\n"), Err(Problem::TooLarge { .. })));
+        assert!(matches!(parse_pfm(b"Pf\n16000 16000\n-1\n"), Err(Problem::Implausible { .. })));
         assert!(parse_pfm(b"Pf\n4 4\n0\n0123").is_err());
         assert!(parse_pfm(b"PF\n1 1\n-1\n000011112222").is_err());
     }

@@ -1,12 +1,29 @@
 //! Tests that walk the table of formats: what is written is read again, and keeps what the table says.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use super::layout::tests::scene;
 use super::*;
 use crate::field::{DisparityMap, LightField, RayDepths, ViewPoint};
+use crate::io::save::{self, PictureOptions};
 use crate::io::{Opened, open};
 use crate::job::Cancel;
+use crate::render::Picture;
+
+/// A job that nobody stops or listens to.
+fn job() -> Job<'static> {
+    static NEVER: LazyLock<Cancel> = LazyLock::new(Cancel::default);
+    Job { cancel: &NEVER, sink: &() }
+}
+
+/// Opens a light field.
+fn light_field(path: &Path) -> LightFieldFile {
+    match open(path, &job()) {
+        Ok(Opened::LightField(file)) => *file,
+        other => panic!("{} is a light field: {other:?}", path.display()),
+    }
+}
 
 fn depths(field: &LightField) -> RayDepths {
     let [w, h] = field.size();
@@ -20,7 +37,7 @@ fn depths(field: &LightField) -> RayDepths {
 fn write(id: &str, dir: &Path, source: &Source, job: &Job) -> PathBuf {
     let entry = by_id(id).unwrap();
     let path = match entry.suffix {
-        Some(suffix) => dir.join(format!("{id}.{suffix}")),
+        Some(suffix) => dir.join(format!("{}.{suffix}", id.trim_start_matches('.'))),
         None => dir.join(id),
     };
     let reference = source.field.reference();
@@ -40,9 +57,10 @@ fn write(id: &str, dir: &Path, source: &Source, job: &Job) -> PathBuf {
             quilt::write(&path, &device, [-4.0, 3.0], &plain, job).unwrap();
             return path;
         }
-        "pfm" => depth_out::write_pfm(&path, &map),
-        "depth-png" => depth_out::write_png16(&path, &map),
-        "gdepth" => depth_out::write_gdepth(&path, reference, &map, 90),
+        "refocus" => save::picture(&path, &left, &PictureOptions::default()),
+        ".pfm" => depth_out::write_pfm(&path, &map),
+        ".png" => depth_out::write_png16(&path, &map),
+        "gdepth" => depth_out::write_gdepth(&path, depth_out::Seen::View(reference), &map, 90),
         "side-by-side" => stereo::write_side_by_side(&path, &left, &right),
         "anaglyph" => stereo::write_anaglyph(&path, &left, &right),
         "ply" => ply::write(&path, source),
@@ -54,23 +72,20 @@ fn write(id: &str, dir: &Path, source: &Source, job: &Job) -> PathBuf {
 
 #[test]
 fn every_format_that_is_written_keeps_what_the_table_says() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &job();
     let field = scene(8, 8, [40, 30]);
     let depths = depths(&field);
     let source = Source { depths: Some(&depths), ..Source::new(&field) };
     let dir = tempfile::tempdir().unwrap();
     for entry in TABLE.iter().filter(|entry| entry.writer.is_some()) {
-        let path = write(entry.id, dir.path(), &source, &job);
-        let again = write(entry.id, dir.path(), &source, &job);
+        let path = write(entry.id, dir.path(), &source, job);
+        let again = write(entry.id, dir.path(), &source, job);
         assert!(path == again && path.exists(), "{}: writing over works", entry.id);
         match entry.keeps {
             Keeps::OneMap => assert_eq!(pfm::read_pfm(&path).unwrap().disparity_px, depths.reference()),
             Keeps::Made => {}
             Keeps::Views | Keeps::ViewsAndDepths => {
-                let Opened::LightField(file) = open(&path, &job).unwrap() else {
-                    panic!("{} is a light field", entry.id)
-                };
+                let file = light_field(&path);
                 assert!(*file.field == field, "{}: every view comes back: {:?}", entry.id, file.warnings);
                 assert!(file.warnings.is_empty(), "{}: {:?}", entry.id, file.warnings);
                 if entry.keeps == Keeps::ViewsAndDepths {
@@ -87,36 +102,61 @@ fn every_format_that_is_written_keeps_what_the_table_says() {
     assert_eq!(left.count(), 0, "nothing written aside is left behind");
 }
 
+/// The lines of the README's table: name, whether it is read, how it is written.
+fn readme_table() -> Vec<(String, bool, String)> {
+    let readme = include_str!("../../../README.md");
+    let lines = readme.split("\n## ").find(|part| part.starts_with("Formats")).unwrap().lines();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        (cells[0].to_owned(), !cells[1].is_empty(), cells[2].to_owned())
+    };
+    lines.filter(|line| line.starts_with('|')).skip(2).map(row).collect()
+}
+
+#[test]
+fn the_readme_says_what_the_table_says() {
+    let rows = readme_table();
+    assert_eq!(
+        rows.iter().map(|row| row.0.as_str()).collect::<Vec<_>>(),
+        TABLE.iter().map(|entry| entry.name).collect::<Vec<_>>()
+    );
+    for ((name, read, written), entry) in rows.iter().zip(&TABLE) {
+        assert_eq!(*read, entry.reader.is_some(), "{name}: read");
+        assert_eq!(!written.is_empty(), entry.writer.is_some(), "{name}: written");
+        assert!(written.contains(entry.id), "{name}: {written:?} names {}", entry.id);
+    }
+}
+
 #[test]
 fn what_the_table_reads_and_makes_opens_too() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &job();
     let field = scene(8, 8, [40, 30]);
     let depths = depths(&field);
     let source = Source { depths: Some(&depths), ..Source::new(&field) };
     let dir = tempfile::tempdir().unwrap();
-    let Opened::LightField(quilt) = open(&write("quilt", dir.path(), &source, &job), &job).unwrap() else { panic!() };
+    let quilt = light_field(&write("quilt", dir.path(), &source, job));
     assert_eq!((quilt.field.grid().rows(), quilt.field.grid().cols(), quilt.field.size()), (1, 8, [16, 12]));
-    let Opened::Photo(photo) = open(&write("gdepth", dir.path(), &source, &job), &job).unwrap() else { panic!() };
+    let Opened::Photo(photo) = open(&write("gdepth", dir.path(), &source, job), job).unwrap() else { panic!() };
     assert!(photo.depth.is_some());
-    let map = depth_map::read(&write("depth-png", dir.path(), &source, &job)).unwrap();
+    let Opened::Photo(photo) = open(&write("refocus", dir.path(), &source, job), job).unwrap() else { panic!() };
+    assert_eq!(photo.info.size, field.size());
+    let map = depth_map::read(&write(".png", dir.path(), &source, job)).unwrap();
     assert_eq!((map.size, map.is_disparity), ([40, 30], false));
 }
 
 #[test]
 fn other_grids_come_back_from_every_folder_format() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &job();
     for (rows, cols) in [(1, 7), (9, 9), (3, 5), (17, 2)] {
         let field = scene(rows, cols, [24, 18]);
         let source = Source::new(&field);
         let dir = tempfile::tempdir().unwrap();
         let paths = ["views", "hci", "eslf.png"].map(|name| dir.path().join(name));
-        views::write(&paths[0], &source, &job).unwrap();
-        hci::write(&paths[1], &source, &job).unwrap();
-        eslf::write(&paths[2], &source, &job).unwrap();
+        views::write(&paths[0], &source, job).unwrap();
+        hci::write(&paths[1], &source, job).unwrap();
+        eslf::write(&paths[2], &source, job).unwrap();
         for path in paths {
-            let Opened::LightField(file) = open(&path, &job).unwrap() else { panic!("{}", path.display()) };
+            let file = light_field(&path);
             assert!(*file.field == field, "{rows}×{cols}: {} {:?}", path.display(), file.warnings);
         }
     }
@@ -124,16 +164,15 @@ fn other_grids_come_back_from_every_folder_format() {
 
 #[test]
 fn a_persons_own_files_in_the_folder_stay() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &job();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("out");
-    views::write(&path, &Source::new(&scene(3, 3, [16, 12])), &job).unwrap();
+    views::write(&path, &Source::new(&scene(3, 3, [16, 12])), job).unwrap();
     std::fs::write(path.join("letter.txt"), b"dear").unwrap();
     let smaller = scene(2, 2, [16, 12]);
-    views::write(&path, &Source::new(&smaller), &job).unwrap();
+    views::write(&path, &Source::new(&smaller), job).unwrap();
     assert!(path.join("letter.txt").is_file() && !path.join("view_2_2.png").exists());
-    let Opened::LightField(file) = open(&path, &job).unwrap() else { panic!() };
+    let file = light_field(&path);
     assert!(*file.field == smaller);
 }
 
@@ -141,19 +180,17 @@ fn a_persons_own_files_in_the_folder_stay() {
 fn a_stopped_export_leaves_nothing() {
     let cancel = Cancel::default();
     cancel.cancel();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &Job { cancel: &cancel, sink: &() };
     let field = scene(2, 2, [16, 12]);
     let dir = tempfile::tempdir().unwrap();
     for write in [views::write, hci::write, stanford::write, eslf::write] {
-        assert!(write(&dir.path().join("x"), &Source::new(&field), &job).is_err());
+        assert!(write(&dir.path().join("x"), &Source::new(&field), job).is_err());
     }
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
 }
 
 #[test]
 fn foreign_views_that_lie_wrongly_are_turned_and_the_person_is_told() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
     let truth = scene(5, 5, [120, 90]);
     let upside_down = layout::Layout { flip_v: true, ..Default::default() }.apply(&truth);
     let dir = tempfile::tempdir().unwrap();
@@ -161,47 +198,45 @@ fn foreign_views_that_lie_wrongly_are_turned_and_the_person_is_told() {
         let name = format!("flower_{:02}_{:02}.png", at.v, at.u);
         out::view_png(&dir.path().join(name), upside_down.view(at)).unwrap();
     }
-    let Opened::LightField(file) = open(dir.path(), &job).unwrap() else { panic!() };
+    let file = light_field(dir.path());
     assert!(file.layout.flip_v && file.warnings.len() == 1, "{:?} {:?}", file.layout, file.warnings);
     assert!(*file.field == truth);
 }
 
 #[test]
 fn missing_and_odd_views_are_named() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &job();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("lf");
-    views::write(&path, &Source::new(&scene(3, 3, [16, 12])), &job).unwrap();
+    views::write(&path, &Source::new(&scene(3, 3, [16, 12])), job).unwrap();
     std::fs::remove_file(path.join("view_1_2.png")).unwrap();
-    let text = open(&path, &job).unwrap_err().to_string();
+    let text = open(&path, job).unwrap_err().to_string();
     assert!(text.contains("(v 1, u 2)") && text.ends_with("lf"), "{text}");
     std::fs::copy(path.join("view_0_0.png"), path.join("view_1_2.png")).unwrap();
     let odd = scene(1, 1, [9, 9]);
     out::view_png(&path.join("view_2_2.png"), odd.reference()).unwrap();
-    let text = open(&path, &job).unwrap_err().to_string();
-    assert!(text.contains("view (2, 2)"), "{text}");
+    let text = open(&path, job).unwrap_err().to_string();
+    assert!(text.contains("9×9") && text.ends_with("view_2_2.png"), "{text}");
     std::fs::write(path.join("view_2_2.png"), b"\x89PNG\r\n").unwrap();
-    let text = open(&path, &job).unwrap_err().to_string();
+    let text = open(&path, job).unwrap_err().to_string();
     assert!(text.ends_with("view_2_2.png"), "{text}");
 }
 
 #[test]
 fn broken_ray_depths_are_a_warning() {
-    let cancel = Cancel::default();
-    let job = Job { cancel: &cancel, sink: &() };
+    let job = &job();
     let field = scene(2, 2, [16, 12]);
     let depths = depths(&field);
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("lf");
-    views::write(&path, &Source { depths: Some(&depths), ..Source::new(&field) }, &job).unwrap();
+    views::write(&path, &Source { depths: Some(&depths), ..Source::new(&field) }, job).unwrap();
     let broken: [&dyn Fn(&Path); 3] =
         [&|map| std::fs::write(map, b"Pf\n16 12\n-1\n").unwrap(), &|map| std::fs::remove_file(map).unwrap(), &|map| {
             out::map_pfm(map, [2, 2], &[0.0; 4]).unwrap()
         }];
     for break_it in broken {
         break_it(&path.join("disparity_1_1.pfm"));
-        let Opened::LightField(file) = open(&path, &job).unwrap() else { panic!() };
+        let file = light_field(&path);
         assert!(file.depths.is_none() && file.warnings.len() == 1 && *file.field == field, "{:?}", file.warnings);
     }
 }

@@ -12,7 +12,7 @@ use super::grid_names::{self, GridFiles};
 use super::out::{self, Source};
 use super::{layout, pfm, stanford};
 use crate::field::{LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
-use crate::io::open::read_file;
+use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
 use crate::io::save::SaveError;
 use crate::io::sniff::sniff;
 use crate::io::{FileInfo, LightFieldFile, Problem, raster};
@@ -20,7 +20,7 @@ use crate::job::{Job, Stage};
 
 /// The index file of a `views` folder.
 pub const INDEX_FILE: &str = "lightfield.json";
-/// The most bytes that the views of a light field may take.
+/// The most bytes that the views of a light field may take: 17×17 of a megapixel, and some more.
 const MAX_FIELD_BYTES: u64 = 3 << 29;
 const FORMAT: &str = "views folder";
 /// Views of one scene differ by less than this when they are moved onto each other, on average.
@@ -53,7 +53,10 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
     let field = match read_views(&files, job) {
         // A running number alone is what photos have too: only pictures that fit together are views.
         Ok(field) if files.running && layout::guess(&field)[0].error > UNRELATED => return Ok(None),
-        Err(Problem::TooLarge { .. } | Problem::Field(_)) if files.running => return Ok(None),
+        Err(Problem::TooLarge { .. } | Problem::Implausible { .. }) if files.running => return Ok(None),
+        Err(Problem::In { problem, .. }) if files.running && matches!(*problem, Problem::OddView { .. }) => {
+            return Ok(None);
+        }
         read => read?,
     };
     let mut info = FileInfo::light_field(format, &field);
@@ -88,7 +91,7 @@ fn read_index(folder: &Path) -> Result<(Index, Option<String>), Problem> {
     if !path.is_file() {
         return Ok((Index::default(), None));
     }
-    let bytes = read_file(&path).map_err(Problem::of(&path))?;
+    let bytes = read_up_to(&path, MAX_TEXT_BYTES).map_err(Problem::of(&path))?;
     Ok(match serde_json::from_slice(&bytes) {
         Ok(index) => (index, None),
         Err(error) => (
@@ -100,16 +103,9 @@ fn read_index(folder: &Path) -> Result<(Index, Option<String>), Problem> {
 
 /// Decodes all views, some at a time; all must have the size of the first.
 pub(super) fn read_views(files: &GridFiles, job: &Job) -> Result<LightField, Problem> {
-    let size = view_size(&files.files[0])?;
-    let bytes = u64::from(size[0]) * u64::from(size[1]) * 4 * files.grid.count() as u64;
-    if bytes > MAX_FIELD_BYTES {
-        let [width, height] = size.map(u64::from);
-        return Err(Problem::TooLarge {
-            width,
-            height: height * files.grid.count() as u64,
-            limit_mib: MAX_FIELD_BYTES >> 20,
-        });
-    }
+    let first = &files.files[0];
+    let size = read_file(first).and_then(|bytes| view_size(&bytes)).map_err(Problem::of(first))?;
+    check_memory(files, size)?;
     let done = AtomicU32::new(0);
     let total = files.files.len() as u32;
     // Progress is told from this thread's pool; the sink is `Sync`.
@@ -118,7 +114,7 @@ pub(super) fn read_views(files: &GridFiles, job: &Job) -> Result<LightField, Pro
         .par_iter()
         .map(|path| {
             job.check()?;
-            let view = read_view(path).map_err(Problem::of(path))?;
+            let view = read_view(path, size)?;
             job.advance(Stage::Open, done.fetch_add(1, Ordering::Relaxed), total)?;
             Ok(Arc::new(view))
         })
@@ -126,18 +122,32 @@ pub(super) fn read_views(files: &GridFiles, job: &Job) -> Result<LightField, Pro
     Ok(LightField::new(files.grid, views?)?)
 }
 
-fn view_size(path: &Path) -> Result<[u32; 2], Problem> {
-    let bytes = read_file(path).map_err(Problem::of(path))?;
-    let format = sniff(&bytes).ok_or(Problem::Unknown).map_err(Problem::of(path))?;
-    raster::header_size(&bytes, format).map_err(Problem::of(path))
+/// Refuses views that do not fit into memory together, or whose headers claim more than their files can hold.
+fn check_memory(files: &GridFiles, [width, height]: [u32; 2]) -> Result<(), Problem> {
+    let height = u64::from(height) * files.grid.count() as u64;
+    let lengths = files.files.iter().map(|path| std::fs::metadata(path).map_or(0, |file| file.len()));
+    raster::check_size_within(MAX_FIELD_BYTES, [width.into(), height], 4, lengths.sum::<u64>() as usize)
 }
 
-fn read_view(path: &Path) -> Result<View, Problem> {
-    let bytes = read_file(path)?;
+/// Width and height of a view that its header tells.
+fn view_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
     if bytes.is_empty() {
         return Err(Problem::Empty);
     }
-    raster::decode_view(&bytes, sniff(&bytes).ok_or(Problem::Unknown)?)
+    raster::header_size(bytes, sniff(bytes).ok_or(Problem::Unknown)?)
+}
+
+/// Decodes a view, if it is as large as the others.
+fn read_view(path: &Path, size: [u32; 2]) -> Result<View, Problem> {
+    let read = || {
+        let bytes = read_file(path)?;
+        let [w, h] = view_size(&bytes)?;
+        if [w, h] != size {
+            return Err(Problem::OddView { width: w, height: h, others: size });
+        }
+        raster::decode_view(&bytes, sniff(&bytes).ok_or(Problem::Unknown)?)
+    };
+    read().map_err(Problem::of(path))
 }
 
 /// Reads one PFM for each view. None there: no ray depths. Some broken: a warning, and no ray depths.
@@ -156,13 +166,8 @@ pub(super) fn read_depths(
         .par_iter()
         .map(|&at| {
             let path = name(at);
-            let told = |problem: Problem| format!("{problem}: {}", path.display());
-            let map = read_file(&path).and_then(|bytes| pfm::parse_pfm(&bytes)).map_err(told)?;
-            if map.size == field.size() {
-                Ok(map.disparity_px)
-            } else {
-                Err(format!("a map of {:?} pixels for views of {:?}: {}", map.size, field.size(), path.display()))
-            }
+            let map = pfm::read_sized(&path, field.size());
+            map.map(|map| map.disparity_px).map_err(|problem| format!("{problem}: {}", path.display()))
         })
         .collect();
     job.check()?;

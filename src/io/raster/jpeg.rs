@@ -34,7 +34,7 @@ fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> 
     decoder.decode_headers().map_err(|error| Problem::damaged(FORMAT, error))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| Problem::damaged(FORMAT, "it has no size"))?;
     let space = decoder.input_colorspace().ok_or_else(|| Problem::damaged(FORMAT, "it has no colours"))?;
-    check_size(width as u64, height as u64, 4)?;
+    check_size(width as u64, height as u64, 4, bytes.len())?;
     Ok((decoder, [width as u32, height as u32], space))
 }
 

@@ -19,6 +19,10 @@ pub(crate) use orient::orient;
 
 /// The most bytes that the pixels of one picture may take.
 pub(crate) const MAX_DECODED_BYTES: u64 = 1 << 30;
+/// Bytes of pixels that any header may claim: 64 megapixels of 8 bits.
+const UNQUESTIONED_BYTES: u64 = 256 << 20;
+/// Pixels beyond that which a byte of the file may stand for; photos have 2 to 20.
+const MAX_PIXELS_PER_BYTE: u64 = 50;
 
 /// A decoded picture as it lies in the file: not turned, alpha kept.
 #[derive(Debug)]
@@ -41,17 +45,31 @@ pub(crate) enum Samples {
     Sixteen(Vec<[u16; 4]>),
 }
 
-/// Refuses a header whose pixels would not fit into memory, before anything is allocated.
-pub(crate) fn check_size(width: u64, height: u64, bytes_per_pixel: u64) -> Result<(), Problem> {
-    let bytes = width.saturating_mul(height).saturating_mul(bytes_per_pixel);
-    if width == 0 || height == 0 {
+/// Refuses a header whose pixels would not fit into memory, or that claims far more of them than its file can hold,
+/// before anything is allocated.
+pub(crate) fn check_size(width: u64, height: u64, bytes_per_pixel: u64, file_bytes: usize) -> Result<(), Problem> {
+    check_size_within(MAX_DECODED_BYTES, [width, height], bytes_per_pixel, file_bytes)
+}
+
+/// The same with a limit of its own, for all views of a light field together.
+pub(crate) fn check_size_within(
+    max_bytes: u64,
+    [width, height]: [u64; 2],
+    bytes_per_pixel: u64,
+    file_bytes: usize,
+) -> Result<(), Problem> {
+    let pixels = width.saturating_mul(height);
+    let bytes = pixels.saturating_mul(bytes_per_pixel);
+    if pixels == 0 {
         return Err(Problem::damaged("picture", "a side of 0 pixels"));
     }
-    if bytes <= MAX_DECODED_BYTES {
-        Ok(())
-    } else {
-        Err(Problem::TooLarge { width, height, limit_mib: MAX_DECODED_BYTES >> 20 })
+    if bytes > max_bytes {
+        return Err(Problem::TooLarge { width, height, limit_mib: max_bytes >> 20 });
     }
+    if bytes > UNQUESTIONED_BYTES && pixels > MAX_PIXELS_PER_BYTE.saturating_mul(file_bytes as u64) {
+        return Err(Problem::Implausible { width, height, file_kib: file_bytes.div_ceil(1024) });
+    }
+    Ok(())
 }
 
 /// Decodes any picture that is not HEIC.

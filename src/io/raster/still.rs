@@ -7,6 +7,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color};
 use crate::io::Problem;
+use crate::io::error::part_of_a_sentence;
 use crate::io::sniff::Sniffed;
 
 fn image_format(format: Sniffed) -> Option<ImageFormat> {
@@ -31,7 +32,7 @@ fn header(bytes: &[u8], format: Sniffed) -> Result<impl ImageDecoder + '_, Probl
     let (width, height) = decoder.dimensions();
     let bytes_per_sample =
         u64::from(decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count()).min(2);
-    check_size(width.into(), height.into(), 4 * bytes_per_sample)?;
+    check_size(width.into(), height.into(), 4 * bytes_per_sample, bytes.len())?;
     Ok(decoder)
 }
 
@@ -79,8 +80,13 @@ fn problem(error: ImageError, format: Sniffed) -> Problem {
             Problem::Truncated { format }
         }
         ImageError::Unsupported(error) => {
-            Problem::Unsupported { format, reason: error.to_string(), advice: "save it as an ordinary JPEG or PNG" }
+            let reason = part_of_a_sentence(&error.to_string());
+            Problem::Unsupported { format, reason, advice: "save it as an ordinary JPEG or PNG" }
         }
-        error => Problem::damaged(format, error),
+        // Its own words begin with the format, which our sentence names already.
+        error => match std::error::Error::source(&error) {
+            Some(source) => Problem::damaged(format, source),
+            None => Problem::damaged(format, error),
+        },
     }
 }

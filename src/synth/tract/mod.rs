@@ -15,6 +15,7 @@ mod rewrite;
 mod threads;
 
 use std::ops::Deref;
+use std::panic::catch_unwind;
 use std::sync::Arc;
 
 use tract_linalg::multithread::{Executor, multithread_tract_scope};
@@ -63,6 +64,12 @@ impl Deref for Output {
 /// Bytes that are no ONNX model, an operator that is not known, a shape that the net does not take, weights that
 /// are not finite.
 pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
+    // tract takes names that lead nowhere, and other faults of a graph, for its own and panics.
+    let broken = |_panic| Err(EngineError::Unsupported { detail: "its graph is damaged".to_owned() });
+    catch_unwind(|| prepared(onnx_bytes, input_shape, options)).unwrap_or_else(broken)
+}
+
+fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
     let isa = options.path.isa();
     let onnx = if isa.is_some() { elu::onnx() } else { onnx() };
     let proto = onnx.proto_model_for_read(&mut &onnx_bytes[..]).map_err(EngineError::parse)?;

@@ -23,7 +23,7 @@ pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let file = HeifFile::parse(bytes).map_err(problem)?;
     let id = file.primary_id;
     let mut photo = PhotoFile::from_raster(decode_photo(bytes, &file)?, Sniffed::Heif)?;
-    match depth_map(&file) {
+    match depth_map(&file, bytes.len()) {
         Some(Ok(depth)) => photo.set_depth(depth),
         Some(Err(reason)) => photo.warn(format!("the depth map is left out — {reason}")),
         None => {}
@@ -31,7 +31,7 @@ pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     if let Some([left, right]) = spatial::stereo_pair(bytes) {
         photo.info.notes.push(("spatial photo".to_owned(), "two eyes".to_owned()));
         if photo.depth.is_none() {
-            match spatial::depth(&file, [left, right], id) {
+            match spatial::depth(&file, bytes.len(), [left, right], id) {
                 Ok(depth) => photo.set_depth(depth),
                 Err(reason) => photo.warn(format!("the second eye is left out — {reason}")),
             }
@@ -45,22 +45,36 @@ fn problem(error: impl std::fmt::Display) -> Problem {
     if text.contains("unexpected end") { Problem::Truncated { format: FORMAT } } else { Problem::damaged(FORMAT, text) }
 }
 
-/// Decodes an item whose size has been checked before.
-pub(super) fn decode_item(file: &HeifFile, id: ItemId) -> Result<heifer::Image, Problem> {
-    if let Some((width, height)) = file.image_size(id).map_err(problem)? {
-        check_size(width.into(), height.into(), 8)?;
-    }
+/// Decodes an item, if its size is bearable, of a file of this length.
+pub(super) fn decode_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<heifer::Image, Problem> {
+    check_item(file, file_bytes, id)?;
     heifer::decode_item(file, id, 0).map_err(problem)
 }
 
 /// Most pixels of one picture: 16 bits a channel fit into memory then.
 const MAX_PIXELS: u64 = MAX_DECODED_BYTES / 8;
+/// Most pictures that one picture may be put together from; a phone's has a few hundred tiles.
+const MAX_PARTS: usize = 2048;
+
+/// Refuses an item that is too large, or that is put together from parts, and they from others, without end.
+fn check_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<(), Problem> {
+    if let Some((width, height)) = file.image_size(id).map_err(problem)? {
+        check_size(width.into(), height.into(), 8, file_bytes)?;
+    }
+    let (mut parts, mut next) = (vec![id], 0);
+    while let Some(&part) = parts.get(next) {
+        parts.extend(file.referenced_items(part, b"dimg"));
+        next += 1;
+        if parts.len() > MAX_PARTS {
+            return Err(Problem::damaged(FORMAT, format!("it is put together from more than {MAX_PARTS} pictures")));
+        }
+    }
+    Ok(())
+}
 
 fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
     let id = file.primary_id;
-    if let Some((width, height)) = file.image_size(id).map_err(problem)? {
-        check_size(width.into(), height.into(), 8)?;
-    }
+    check_item(file, bytes.len(), id)?;
     let options = heifer::Options { max_threads: 0, max_pixels: MAX_PIXELS };
     let (size, has_alpha, samples) = if bits(file, id) <= 8 {
         let image = heifer::decode_rgba8(bytes, &options).map_err(problem)?;
@@ -99,18 +113,18 @@ fn profile_from_nclx(file: &HeifFile, id: ItemId) -> Option<Vec<u8>> {
 }
 
 /// The auxiliary depth picture, wherever it hangs.
-fn depth_map(file: &HeifFile) -> Option<Result<EmbeddedDepth, String>> {
+fn depth_map(file: &HeifFile, file_bytes: usize) -> Option<Result<EmbeddedDepth, String>> {
     let is_depth = |id| {
         let urn =
             |p: &Property| matches!(p, Property::AuxiliaryType(urn) if DEPTH_URN.iter().any(|d| urn.starts_with(d)));
         file.item_properties(id).is_ok_and(|mut properties| properties.any(urn))
     };
     let id = file.items.iter().map(|item| item.id).find(|&id| is_depth(id))?;
-    Some(decode_depth(file, id).map_err(|problem| problem.to_string()))
+    Some(decode_depth(file, file_bytes, id).map_err(|problem| problem.to_string()))
 }
 
-fn decode_depth(file: &HeifFile, id: ItemId) -> Result<EmbeddedDepth, Problem> {
-    let image = decode_item(file, id)?;
+fn decode_depth(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<EmbeddedDepth, Problem> {
+    let image = decode_item(file, file_bytes, id)?;
     let max = f32::from(image.max_value());
     let values = image.data.chunks_exact(4).map(|px| f32::from(px[0]) / max).collect();
     let map = UnitMap { size: [image.width, image.height], values };

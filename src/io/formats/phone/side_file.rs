@@ -10,26 +10,40 @@ use crate::io::{DepthKind, EmbeddedDepth};
 const ENDINGS: [&str; 4] = ["_DEPTH", "_depth", "_Depth", "_disparity"];
 const SUFFIXES: [&str; 8] = ["jpg", "png", "jpeg", "JPG", "PNG", "webp", "tif", "pfm"];
 
+/// What was found beside a photo.
+#[derive(Default)]
+pub(crate) struct Found {
+    pub(crate) depth: Option<EmbeddedDepth>,
+    pub(crate) warning: Option<String>,
+}
+
 /// Looks for the map of a photo. A broken one, or one of another shape, is a warning.
-pub(crate) fn find(path: &Path, photo: &Photo, warnings: &mut Vec<String>) -> Option<EmbeddedDepth> {
-    let beside = candidate(path)?;
+pub(crate) fn find(path: &Path, photo: &Photo) -> Found {
+    let Some(beside) = candidate(path) else { return Found::default() };
     let name = beside.display();
-    let read = read_file(&beside).and_then(|bytes| depth_map::parse(&bytes));
-    let map = match read {
+    let left_out = |why: String| {
+        let warning = Some(format!("the depth map beside the photo is left out — {why}: {name}"));
+        Found { depth: None, warning }
+    };
+    let map = match read_file(&beside).and_then(|bytes| depth_map::parse(&bytes)) {
         Ok(map) => map,
-        Err(problem) => {
-            warnings.push(format!("the depth map beside the photo is left out — {problem}: {name}"));
-            return None;
-        }
+        Err(problem) => return left_out(problem.to_string()),
     };
     if !same_shape(map.size, photo.size()) {
-        warnings.push(format!("the depth map beside the photo is left out — it has another shape: {name}"));
-        return None;
+        return left_out("it has another shape".to_owned());
     }
     let end = map.near_end_guess();
     let which = if end == NearEnd::White { "white" } else { "black" };
-    warnings.push(format!("the depth map beside the photo does not say which end is near; {which} is taken: {name}"));
-    Some(EmbeddedDepth { kind: DepthKind::SideFile, size: map.size, inverse_depth: map.nearness(end), metric: false })
+    let guessed = || {
+        format!(
+            "the depth map beside the photo does not say which end is near — {which} is taken, as the lower part of a photo is mostly nearer: {name}"
+        )
+    };
+    // A PFM holds disparities.
+    let warning = (!map.is_disparity).then(guessed);
+    let depth =
+        EmbeddedDepth { kind: DepthKind::SideFile, size: map.size, inverse_depth: map.nearness(end), metric: false };
+    Found { depth: Some(depth), warning }
 }
 
 fn candidate(path: &Path) -> Option<PathBuf> {

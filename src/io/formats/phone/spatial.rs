@@ -19,10 +19,15 @@ pub(super) fn stereo_pair(bytes: &[u8]) -> Option<[ItemId; 2]> {
 }
 
 /// Depth of the photo `primary` from the pair.
-pub(super) fn depth(file: &HeifFile, [left, right]: [ItemId; 2], primary: ItemId) -> Result<EmbeddedDepth, String> {
+pub(super) fn depth(
+    file: &HeifFile,
+    file_bytes: usize,
+    [left, right]: [ItemId; 2],
+    primary: ItemId,
+) -> Result<EmbeddedDepth, String> {
     let other = if primary == right { left } else { right };
     let gray = |id| {
-        let image = decode_item(file, id).map_err(|problem| problem.to_string())?;
+        let image = decode_item(file, file_bytes, id).map_err(|problem| problem.to_string())?;
         let max = f32::from(image.max_value());
         let luma = |px: &[u16]| (0.3 * f32::from(px[0]) + 0.6 * f32::from(px[1]) + 0.1 * f32::from(px[2])) / max;
         Ok::<_, String>(matching::Gray {

@@ -1,0 +1,152 @@
+//! Small whole files of every format, to be damaged.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
+use jpeg_encoder::{ColorType as JpegColor, Encoder as JpegEncoder};
+use plenoscope::field::{DisparityMap, View};
+use plenoscope::io::formats::depth_out::{self, Seen};
+
+pub const SIZE: [u32; 2] = [24, 16];
+
+pub fn picture() -> RgbImage {
+    RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| Rgb([x as u8 * 10, y as u8 * 15, 255 - x as u8 * 7]))
+}
+
+/// A file of the `image` crate's.
+pub fn still(format: ImageFormat) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    DynamicImage::ImageRgb8(picture()).write_to(&mut bytes, format).unwrap();
+    bytes.into_inner()
+}
+
+/// A file that a writer makes at a path.
+fn written(name: &str, write: impl FnOnce(&Path)) -> Vec<u8> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join(name);
+    write(&path);
+    std::fs::read(path).unwrap()
+}
+
+/// A JPEG with GDepth in extended XMP.
+pub fn gdepth() -> Vec<u8> {
+    let view = View::new(SIZE, [90, 120, 60, 255].repeat((SIZE[0] * SIZE[1]) as usize)).unwrap();
+    let map = DisparityMap::new([8, 6], (0..48).map(|n| n as f32 / 10.0).collect()).unwrap();
+    written("depth.jpg", |path| depth_out::write_gdepth(path, Seen::View(&view), &map, 90).unwrap())
+}
+
+/// A JPEG with segments before the picture.
+pub fn jpeg(segments: &[(u8, Vec<u8>)]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = JpegEncoder::new(&mut bytes, 95);
+    for (number, data) in segments {
+        encoder.add_app_segment(*number, data).unwrap();
+    }
+    encoder.encode(&picture(), SIZE[0] as u16, SIZE[1] as u16, JpegColor::Rgb).unwrap();
+    bytes
+}
+
+/// An XMP packet as a segment.
+pub fn xmp(packet: &str) -> (u8, Vec<u8>) {
+    (1, [b"http://ns.adobe.com/xap/1.0/\0", packet.as_bytes()].concat())
+}
+
+/// An EXIF block as a segment: orientation 6, and a further directory at `next`.
+pub fn exif(next: u8) -> (u8, Vec<u8>) {
+    let mut block = b"Exif\0\0MM\0*\0\0\0\x08\0\x02\x01\x12\0\x03\0\0\0\x01\0\x06\0\0".to_vec();
+    block.extend([0x87, 0x69, 0, 4, 0, 0, 0, 1, 0, 0, 0, next, 0, 0, 0, next]);
+    (1, block)
+}
+
+/// A JPEG with a depth map of Dynamic Depth behind it.
+pub fn dynamic_depth() -> Vec<u8> {
+    let map = image::GrayImage::from_fn(8, 6, |x, _| image::Luma([x as u8 * 36]));
+    let mut payload = Cursor::new(Vec::new());
+    DynamicImage::ImageLuma8(map).write_to(&mut payload, ImageFormat::Png).unwrap();
+    let payload = payload.into_inner();
+    let ns = |name: &str| format!(r#"xmlns:{name}="http://ns.google.com/photos/dd/1.0/{}/""#, name.to_lowercase());
+    let packet = format!(
+        r#"<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">
+        <rdf:Description {} {} {}><DepthMap:Format>RangeInverse</DepthMap:Format><DepthMap:Near>0.5</DepthMap:Near>
+        <DepthMap:Far>10</DepthMap:Far><DepthMap:DepthURI>depth</DepthMap:DepthURI><Container:Directory><rdf:Seq>
+        <rdf:li><Container:Item Item:Mime="image/jpeg" Item:Length="0" Item:DataURI="primary_image"/></rdf:li>
+        <rdf:li><Container:Item Item:Mime="image/png" Item:Length="{}" Item:DataURI="depth"/></rdf:li>
+        </rdf:Seq></Container:Directory></rdf:Description></rdf:RDF></x:xmpmeta>"#,
+        ns("DepthMap"),
+        ns("Container"),
+        ns("Item"),
+        payload.len(),
+    );
+    [jpeg(&[xmp(&packet)]), payload].concat()
+}
+
+/// Apple's JPEG: a second picture with a depth map's XMP behind the first.
+pub fn apple() -> Vec<u8> {
+    let packet = r#"<x:xmpmeta xmlns:x="adobe:ns:meta/"><r xmlns:apdi="http://ns.apple.com/pixeldatainfo/1.0/">
+        <apdi:AuxiliaryImageType>disparity</apdi:AuxiliaryImageType><apdi:FloatMinValue>1.0</apdi:FloatMinValue>
+        <apdi:FloatMaxValue>3.0</apdi:FloatMaxValue></r></x:xmpmeta>"#;
+    [jpeg(&[exif(0)]), jpeg(&[xmp(packet)])].concat()
+}
+
+/// A HEIC whose alpha plane is relabelled as a depth map.
+pub fn heic() -> Vec<u8> {
+    let rgba: Vec<u8> = (0..64 * 48).flat_map(|n| [200, 100, 50, (n % 64 * 4) as u8]).collect();
+    let mut bytes = heifer::encode_rgba8(64, 48, &rgba, &heifer::EncodeOptions::default()).unwrap();
+    let urn = b"urn:mpeg:hevc:2015:auxid:1";
+    let at = bytes.windows(urn.len()).position(|w| w == urn).unwrap();
+    bytes[at + urn.len() - 1] = b'2';
+    bytes
+}
+
+/// A section of Lytro's container, with its name.
+pub fn lfp_section(kind: u8, body: &[u8]) -> (String, Vec<u8>) {
+    let name = format!("sha1-{}", sha1_smol::Sha1::from(body).digest());
+    let mut out = [b"\x89LF", &[kind][..], b"\x0d\x0a\x1a\x0a\0\0\0\0", &(body.len() as u32).to_be_bytes()].concat();
+    out.extend(name.as_bytes());
+    out.extend([0; 35]);
+    out.extend(body);
+    out.extend(vec![0; 16 - out.len() % 16]);
+    (name, out)
+}
+
+/// A processed Lytro file of these pictures and this depth table; checksums fit.
+pub fn lfp(pictures: [&[u8]; 2], table: &[u8], table_json: &str) -> Vec<u8> {
+    let [(a, a_bytes), (b, b_bytes)] = pictures.map(|picture| lfp_section(b'C', picture));
+    let (lut, lut_bytes) = lfp_section(b'C', table);
+    let json = format!(
+        r#"{{"picture":{{"accelerationArray":[{{"vendorContent":{{"depthLut":{{{table_json},"imageRef":"{lut}"}},
+        "imageArray":[{{"imageRef":"{a}","lambda":7.5}},{{"imageRef":"{b}","lambda":-0.5}}]}}}}]}}}}"#
+    );
+    let head = b"\x89LFP\x0d\x0a\x1a\x0a\0\0\0\x01\0\0\0\0".to_vec();
+    [head, lfp_section(b'M', json.as_bytes()).1, a_bytes, b_bytes, lut_bytes].concat()
+}
+
+/// The depth table of [`lfp`].
+pub fn lfp_table() -> Vec<u8> {
+    [-5.0f32, 1.0, 2.0, 9.0].iter().flat_map(|l| l.to_le_bytes()).collect()
+}
+
+/// A map of 6×4.
+pub fn pfm() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let values: Vec<f32> = (0..24).map(|n| n as f32 / 5.0 - 2.0).collect();
+    plenoscope::io::formats::pfm::write_pfm(&mut bytes, [6, 4], &values).unwrap();
+    bytes
+}
+
+/// Makes the checksums of a PNG's chunks right again, so that damage reaches what lies behind them.
+pub fn mend_png(bytes: &mut [u8]) {
+    let mut at = 8;
+    while let Some(head) = bytes.get(at..at + 8) {
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        let Some(end) = at.checked_add(8).and_then(|n| n.checked_add(length)).filter(|end| end + 4 <= bytes.len())
+        else {
+            return;
+        };
+        let mut crc = flate2::Crc::new();
+        crc.update(&bytes[at + 4..end]);
+        bytes[end..end + 4].copy_from_slice(&crc.sum().to_be_bytes());
+        at = end + 4;
+    }
+}
