@@ -3,6 +3,8 @@
 
 #[path = "common/nets.rs"]
 mod nets;
+#[path = "pipeline/relative.rs"]
+mod relative;
 
 use std::path::Path;
 use std::sync::Mutex;

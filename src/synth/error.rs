@@ -67,6 +67,28 @@ pub enum ModelError {
         /// The shape that the manifest promises.
         want: String,
     },
+    /// Its answer is not one map.
+    #[error(
+        "model {id} does not answer with one depth map — its answer has the shape {got} — export it with one output [1, 1, H, W]: {place}"
+    )]
+    NoMap {
+        /// Name of the model.
+        id: String,
+        /// Where it lies.
+        place: String,
+        /// The shape of its answer.
+        got: String,
+    },
+    /// A source of ray depth that nobody knows.
+    #[error(
+        "there is no ray depth from {name:?} — known are {known} — name one of them, or put the model into the folder of --models"
+    )]
+    NoSource {
+        /// The name that was asked for.
+        name: String,
+        /// The names that are known.
+        known: String,
+    },
     /// It answers with values that are not numbers.
     #[error(
         "model {id} answers with values that are not numbers — its weights are damaged — fetch the model again: {place}"

@@ -71,6 +71,10 @@ impl ModelSource {
         let path = format!("{id}/manifest.toml");
         let place = self.place(&path);
         let manifest = Manifest::parse(&self.text(&path)?, &place)?;
+        if manifest.id != id {
+            let why = format!("its id is {:?}, and its folder is {id:?}", manifest.id);
+            return Err(ModelError::Manifest { place, why });
+        }
         if manifest.task != task {
             let why = format!("its task is {:?} where {task:?} is needed", manifest.task);
             return Err(ModelError::Manifest { place, why });
@@ -81,6 +85,31 @@ impl ModelSource {
             return Err(ModelError::Tampered { id: manifest.id, place: self.place(&file) });
         }
         Ok(ModelFile { manifest, onnx, place: self.place(&file) })
+    }
+
+    /// Where the pair of nets comes from: a folder of `relative-depth` models alone leaves those in the program in use.
+    pub(super) fn for_pair(&self) -> Self {
+        match self {
+            Self::Folder(folder)
+                if !folder.join("models.toml").exists() && !self.relative_depth_models().is_empty() =>
+            {
+                Self::Embedded
+            }
+            source => source.clone(),
+        }
+    }
+
+    /// One `relative-depth` model.
+    ///
+    /// # Errors
+    /// [`ModelError::NoSource`] where there is none of that name; what is wrong with it where there is one.
+    pub(super) fn relative_depth_model(&self, id: &str) -> Result<ModelFile, ModelError> {
+        if self.folders().iter().any(|folder| folder == id) {
+            return self.model(id, Task::RelativeDepth);
+        }
+        let always = ["network", "phone", "fused"].map(str::to_owned);
+        let known = [&always[..], &self.relative_depth_models()].concat().join(", ");
+        Err(ModelError::NoSource { name: id.to_owned(), known })
     }
 
     /// Names of the `relative-depth` models that lie here: further sources of ray depth. Broken ones are left out.

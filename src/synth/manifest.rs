@@ -82,7 +82,7 @@ pub struct RelativeRules {
     pub order: ColourOrder,
     /// `nchw` or `nhwc`.
     pub layout: Layout,
-    /// What grows in its output: `nearness` (inverse depth) or `distance`.
+    /// What its numbers are: `nearness`, `distance` or `farness`.
     pub output: RelativeOutput,
 }
 
@@ -119,14 +119,28 @@ pub enum Layout {
     Nhwc,
 }
 
-/// What a relative-depth net's output grows with.
+/// What a relative-depth net's numbers are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RelativeOutput {
-    /// Larger is nearer (inverse depth).
+    /// Inverse depth up to scale and shift: larger is nearer.
     Nearness,
-    /// Larger is farther.
+    /// Depth up to scale (metres, for example), 0 at the camera.
     Distance,
+    /// Depth up to scale and shift: larger is farther.
+    Farness,
+}
+
+impl RelativeOutput {
+    /// A number of the net as inverse depth, up to scale and shift; `greatest` is the largest number of its map.
+    pub(super) fn nearness(self, value: f32, greatest: f32) -> f32 {
+        match self {
+            Self::Nearness => value,
+            // Nothing is nearer than a thousandth of the farthest: the numbers of a net reach 0 by mistake.
+            Self::Distance => 1.0 / value.max(greatest / 1000.0).max(f32::MIN_POSITIVE),
+            Self::Farness => -value,
+        }
+    }
 }
 
 /// A model's manifest.
@@ -158,9 +172,10 @@ pub struct Manifest {
     /// Its input's sides are brought to a multiple of this by repeating the edge.
     #[serde(default = "default_multiple")]
     pub multiple_of: u32,
-    /// Least and greatest disparity it can say, pixels per view step.
-    #[serde(default = "default_range")]
-    pub disparity_range_px: [f32; 2],
+    /// Least and greatest disparity it can say, pixels per view step at its own width. Of a relative-depth model: what
+    /// its far and its near end become, by default [`order_range_px`](super::order_range_px).
+    #[serde(default)]
+    pub disparity_range_px: Option<[f32; 2]>,
     /// Where the maps of the other views come from.
     #[serde(default)]
     pub ray_depths: RayDepthsFrom,
@@ -183,10 +198,6 @@ fn default_long_sides() -> LongSides {
 
 fn default_multiple() -> u32 {
     1
-}
-
-fn default_range() -> [f32; 2] {
-    [-4.0, 4.0]
 }
 
 impl Manifest {
@@ -212,7 +223,8 @@ impl Manifest {
 
     fn check(&self) -> Result<(), String> {
         let sides = self.working_long_side.as_slice();
-        let [lo, hi] = self.disparity_range_px;
+        let rules = &self.relative;
+        let bad_range = |[lo, hi]: [f32; 2]| !(lo < hi && lo.is_finite() && hi.is_finite());
         let plain = |name: &str| !name.is_empty() && !name.contains(['/', '\\']) && name != "..";
         ViewGrid::new(self.views[0], self.views[1]).map_err(|error| error.to_string())?;
         let faults = [
@@ -223,8 +235,13 @@ impl Manifest {
             (sides.is_empty(), "working_long_side must name at least one size"),
             (sides.iter().any(|side| !(16..=8192).contains(side)), "working_long_side must be 16 to 8192 pixels"),
             (!(1..=256).contains(&self.multiple_of), "multiple_of must be 1 to 256"),
-            (lo.is_nan() || hi.is_nan() || lo >= hi, "disparity_range_px must be [least, greatest]"),
-            (self.relative.std.iter().any(|s| s.is_nan() || *s <= 0.0), "relative.std must be positive"),
+            (self.disparity_range_px.is_some_and(bad_range), "disparity_range_px must be [least, greatest]"),
+            (rules.mean.iter().any(|m| !m.is_finite()), "relative.mean must be three numbers"),
+            (rules.std.iter().any(|s| !(*s > 0.0 && s.is_finite())), "relative.std must be positive"),
+            (
+                rules.input_size != [0, 0] && rules.input_size.iter().any(|side| !(16..=8192).contains(side)),
+                "relative.input_size must be [width, height] of 16 to 8192 pixels, or [0, 0] for any size",
+            ),
         ];
         match faults.iter().find(|(wrong, _)| *wrong) {
             Some((_, why)) => Err((*why).to_owned()),
@@ -257,6 +274,10 @@ mod tests {
             ("working_long_side = []", "working_long_side"),
             ("disparity_range_px = [4, -4]", "disparity_range_px"),
             ("inputs = [\"rgb\", \"lab\"]", "lab"),
+            ("[relative]\nstd = [1, 0, 1]", "std"),
+            ("[relative]\ninput_size = [0, 384]", "input_size"),
+            ("[relative]\norder = \"grb\"", "grb"),
+            ("[relative]\nmeen = [0, 0, 0]", "meen"),
         ] {
             let error = with(line).unwrap_err().to_string();
             assert!(error.contains(word), "{error} should name {word}");

@@ -52,7 +52,10 @@ impl Net {
             _ if shape.len() >= 2 && output.len() == shape[shape.len() - 2] * shape[shape.len() - 1] => {
                 Ok([shape[shape.len() - 1], shape[shape.len() - 2]])
             }
-            _ => Err(self.shape(shape, &[1, 1])),
+            _ => {
+                let (id, place) = (self.manifest().id.clone(), self.file.place.clone());
+                Err(ModelError::NoMap { id, place, got: format!("{shape:?}") })
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! The order of the stages: photo → ray depths → Lambertian views → corrected views, streamed as they come.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -26,18 +26,22 @@ pub struct Synthesizer {
     source: ModelSource,
     depth: DepthNet,
     occlusion: Option<OcclusionNet>,
+    /// The relative-depth model that was asked for last, by its name.
+    relative: Mutex<Option<(String, Arc<RelativeNet>)>>,
 }
 
 impl Synthesizer {
-    /// Loads and checks the pair of nets that a source names.
+    /// Loads and checks the pair of nets that a source names; a folder of relative-depth models alone leaves the
+    /// program's own pair in use.
     pub fn load(source: &ModelSource) -> Result<Self, ModelError> {
-        let index = source.index()?;
-        let depth = DepthNet::load(source.model(&index.depth, Task::RayDepth)?)?;
+        let pair = source.for_pair();
+        let index = pair.index()?;
+        let depth = DepthNet::load(pair.model(&index.depth, Task::RayDepth)?)?;
         let occlusion = match &index.occlusion {
-            Some(id) => Some(OcclusionNet::load(source.model(id, Task::Occlusion)?, depth.grid())?),
+            Some(id) => Some(OcclusionNet::load(pair.model(id, Task::Occlusion)?, depth.grid())?),
             None => None,
         };
-        Ok(Self { source: source.clone(), depth, occlusion })
+        Ok(Self { source: source.clone(), depth, occlusion, relative: Mutex::default() })
     }
 
     /// Rows and columns of the views that it makes.
@@ -47,8 +51,13 @@ impl Synthesizer {
 
     /// Name and checksum of the models that take part in a synthesis with these parameters.
     pub fn models(&self, params: &SynthParams) -> Vec<ModelTag> {
-        let net = params.disparity.is_none() && matches!(params.source, DepthSource::Network | DepthSource::Fused);
-        let depth = net.then(|| self.depth.net().tag());
+        let depth = match &params.source {
+            _ if params.disparity.is_some() => None,
+            DepthSource::Network | DepthSource::Fused => Some(self.depth.net().tag()),
+            // One that cannot be read is told of when it is to run.
+            DepthSource::Model(id) => self.relative(id).ok().map(|net| net.net().tag()),
+            DepthSource::Phone => params.phone.is_none().then(|| self.depth.net().tag()),
+        };
         let occlusion = self.occlusion.as_ref().filter(|_| params.occlusion).map(|net| net.net().tag());
         depth.into_iter().chain(occlusion).collect()
     }
@@ -112,8 +121,15 @@ impl Synthesizer {
         Ok(lift::lifted(&map, self.grid(), job)?)
     }
 
-    fn relative(&self, id: &str) -> Result<RelativeNet, SynthError> {
-        Ok(RelativeNet::load(self.source.model(id, Task::RelativeDepth)?)?)
+    /// A relative-depth model by its name, kept for the next photo.
+    fn relative(&self, id: &str) -> Result<Arc<RelativeNet>, ModelError> {
+        let mut kept = self.relative.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, net)) = kept.as_ref().filter(|(name, _)| name == id) {
+            return Ok(Arc::clone(net));
+        }
+        let net = Arc::new(RelativeNet::new(self.source.relative_depth_model(id)?));
+        *kept = Some((id.to_owned(), Arc::clone(&net)));
+        Ok(net)
     }
 
     fn net_ray_depths(&self, reference: &View, threads: usize, job: &Job) -> Result<RayDepths, SynthError> {

@@ -2,7 +2,7 @@
 
 use super::net::Net;
 use super::picture::Signed;
-use super::{ColourOrder, Layout, Manifest, ModelError, ModelFile, RelativeOutput, SynthError, upsample};
+use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, order_range_px, upsample};
 use crate::field::{DisparityMap, View, fit_long_side};
 use crate::job::Job;
 
@@ -15,9 +15,13 @@ pub(super) struct RelativeNet {
 }
 
 impl RelativeNet {
-    /// Checks the model against its manifest; its answer may have any axes of length 1 around `[H, W]`.
-    pub(super) fn load(file: ModelFile) -> Result<Self, ModelError> {
-        Ok(Self { net: Net::unchecked(file) })
+    /// Takes a model; its answer may have any axes of length 1 around `[H, W]`, and another size than its input.
+    pub(super) fn new(file: ModelFile) -> Self {
+        Self { net: Net::unchecked(file) }
+    }
+
+    pub(super) fn net(&self) -> &Net {
+        &self.net
     }
 
     /// Ray depth of the reference view at its size.
@@ -31,7 +35,10 @@ impl RelativeNet {
         };
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
         let [w, h] = self.net.map_size(&output)?;
-        let map = DisparityMap { size: [w as u32, h as u32], disparity_px: stretched(manifest, &output) };
+        let range_px = manifest.disparity_range_px.unwrap_or_else(|| order_range_px(w as u32));
+        let greatest = output.iter().copied().fold(0.0, f32::max);
+        let nearness = output.iter().map(|value| manifest.relative.output.nearness(*value, greatest)).collect();
+        let map = DisparityMap { size: [w as u32, h as u32], disparity_px: stretched(nearness, range_px) };
         Ok(upsample::to_guide(&map, photo))
     }
 }
@@ -61,15 +68,40 @@ fn relative_input(manifest: &Manifest, photo: &Signed) -> Vec<f32> {
     }
 }
 
-/// Relative depth as disparity: nearness stretched to the manifest's range, but for a few outliers.
-fn stretched(manifest: &Manifest, output: &[f32]) -> Vec<f32> {
-    let sign = if manifest.relative.output == RelativeOutput::Distance { -1.0 } else { 1.0 };
-    let nearness: Vec<f32> = output.iter().map(|value| value * sign).collect();
+/// Relative depth as disparity: nearness stretched to a range, but for a few outliers; 0 where nothing differs.
+fn stretched(nearness: Vec<f32>, [far, near]: [f32; 2]) -> Vec<f32> {
     let mut sorted = nearness.clone();
     sorted.sort_by(f32::total_cmp);
     let at = |share: f32| sorted[((sorted.len() - 1) as f32 * share) as usize];
     let (low, high) = (at(TAIL), at(1.0 - TAIL));
-    let [lo, hi] = manifest.disparity_range_px;
-    let scale = if high > low { (hi - lo) / (high - low) } else { 0.0 };
-    nearness.iter().map(|n| (lo + (n - low) * scale).clamp(lo, hi)).collect()
+    if high <= low {
+        return vec![0.0; nearness.len()];
+    }
+    let scale = (near - far) / (high - low);
+    nearness.into_iter().map(|n| (far + (n - low) * scale).clamp(far, near)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::RelativeOutput;
+
+    #[test]
+    fn nearness_is_stretched_and_outliers_are_cut() {
+        let mut nearness: Vec<f32> = (0..=100).map(|n| n as f32).collect();
+        nearness[100] = 1e6;
+        let stretched = stretched(nearness, [-1.0, 1.0]);
+        assert_eq!((stretched[0], stretched[2], stretched[98], stretched[100]), (-1.0, -1.0, 1.0, 1.0));
+        assert!(stretched[50].abs() < 1e-6);
+        assert_eq!(super::stretched(vec![7.0; 5], [-1.0, 2.0]), [0.0; 5]);
+    }
+
+    #[test]
+    fn distance_is_inverted_and_stays_finite_at_zero() {
+        let of = |output: RelativeOutput| [0.0, 1.0, 2.0, 10.0].map(|value| output.nearness(value, 10.0));
+        assert_eq!(of(RelativeOutput::Distance), [100.0, 1.0, 0.5, 0.1]);
+        assert_eq!(of(RelativeOutput::Farness), [0.0, -1.0, -2.0, -10.0]);
+        assert_eq!(of(RelativeOutput::Nearness), [0.0, 1.0, 2.0, 10.0]);
+        assert!(RelativeOutput::Distance.nearness(0.0, 0.0).is_finite());
+    }
 }

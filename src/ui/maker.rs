@@ -14,14 +14,8 @@ use crate::synth::{
     DepthSource, ModelSource, SynthParams, Synthesizer, lift, reference_view, sweep, synthesize_from_map, upsample,
 };
 
-/// Disparities that depth without a scale is spread over, in pixels per view step of its own width: the ratios of a
-/// flower before its garden.
-const RANGE_PER_WIDTH: [f32; 2] = [-0.8 / 540.0, 1.0 / 540.0];
-
 /// The disparities, far and near, that a map of this width is spread over where its scale is unknown.
-pub fn usual_range_px(width: u32) -> [f32; 2] {
-    RANGE_PER_WIDTH.map(|per_width| per_width * width as f32)
-}
+pub use crate::synth::order_range_px as usual_range_px;
 
 /// Keeps the nets between jobs.
 pub struct Maker {
@@ -60,13 +54,12 @@ impl Maker {
         let mut made_by: Vec<&str> = made.models.iter().map(|model| model.id.as_str()).collect();
         match &params.source {
             _ if params.disparity.is_some() => made_by.insert(0, "your map"),
-            DepthSource::Model(id) => made_by.insert(0, id),
             DepthSource::Phone if document.own_map.is_some() && load.source == Source::Map => {
                 made_by.insert(0, "your map");
             }
             DepthSource::Phone => made_by.insert(0, "phone"),
             DepthSource::Fused => made_by.insert(0, "phone"),
-            DepthSource::Network => {}
+            DepthSource::Model(_) | DepthSource::Network => {}
         }
         Ok(Made {
             field: made.field,

@@ -108,25 +108,35 @@ pub fn onnx(layers: &[Layer], seed: u64) -> Vec<u8> {
         nodes.push(node(if last { "Tanh" } else { "Elu" }, &[&conv], &at, vec![]));
     }
     let (first, last) = (&layers[0], &layers[layers.len() - 1]);
+    model(nodes, tensors, value("x", first.from, first.axes), value("y", last.to, last.axes))
+}
+
+/// The ONNX file of a graph with one input and one output.
+fn model(node: Vec<NodeProto>, tensors: Vec<TensorProto>, input: ValueInfoProto, output: ValueInfoProto) -> Vec<u8> {
     let graph = GraphProto {
         name: "net".to_owned(),
-        node: nodes,
+        node,
         initializer: tensors,
-        input: vec![value("x", first.from, first.axes)],
-        output: vec![value("y", last.to, last.axes)],
+        input: vec![input],
+        output: vec![output],
         ..Default::default()
     };
     let opset = OperatorSetIdProto { version: 17, ..Default::default() };
     ModelProto { ir_version: 8, opset_import: vec![opset], graph: Some(graph), ..Default::default() }.encode_to_vec()
 }
 
-/// Writes a model and its manifest into `folder/id`.
+/// Writes a small model of a ray-depth or an occlusion net and its manifest into `folder/id`.
 pub fn write_model(folder: &Path, id: &str, onnx: &[u8], task: &str) {
+    let rest = "views = [8, 8]\ninputs = [\"rgb\"]\nworking_long_side = 32\nmultiple_of = 8\n";
+    write_with_manifest(folder, id, onnx, task, rest);
+}
+
+/// Writes a model into `folder/id`, with a manifest that goes on with `rest`.
+pub fn write_with_manifest(folder: &Path, id: &str, onnx: &[u8], task: &str, rest: &str) {
     let sha256: String = Sha256::digest(onnx).iter().map(|byte| format!("{byte:02x}")).collect();
     std::fs::create_dir_all(folder.join(id)).unwrap();
     std::fs::write(folder.join(id).join("model.onnx"), onnx).unwrap();
     let head = format!("id = \"{id}\"\ntask = \"{task}\"\nfile = \"model.onnx\"\nsha256 = \"{sha256}\"\n");
-    let rest = "views = [8, 8]\ninputs = [\"rgb\"]\nworking_long_side = 32\nmultiple_of = 8\n";
     std::fs::write(folder.join(id).join("manifest.toml"), head + rest).unwrap();
 }
 
@@ -141,4 +151,46 @@ pub fn write_pair(folder: &Path, seed: u64) {
     let occlusion = onnx(&[Layer::conv3(4, 8), Layer::conv3(8, 3)], seed + 7);
     write_model(folder, "occlusion", &occlusion, "occlusion");
     std::fs::write(folder.join("models.toml"), "depth = \"depth\"\nocclusion = \"occlusion\"\n").unwrap();
+}
+
+fn floats(name: &str, dims: &[usize], values: &[f32]) -> TensorProto {
+    tensor(name.to_owned(), dims, DataType::Float, values.iter().flat_map(|w| w.to_le_bytes()).collect())
+}
+
+/// Writes a relative-depth net as people export them today: colours normalised as for ImageNet, `[1, 3, H, W]` in
+/// patches of 14×14, the answer `[1, H / 14, W / 14]`. Its nearness is what red has above one half.
+pub fn write_patches(folder: &Path, id: &str) {
+    const PATCH: usize = 14;
+    let (mean, std) = (0.485, 0.229);
+    let red = [std / (PATCH * PATCH) as f32; PATCH * PATCH];
+    let weights = [&red[..], &[0.0; 2 * PATCH * PATCH]].concat();
+    let tensors = vec![
+        floats("weights", &[1, 3, PATCH, PATCH], &weights),
+        floats("bias", &[1], &[mean - 0.5]),
+        tensor("axis".to_owned(), &[1], DataType::Int64, 1i64.to_le_bytes().to_vec()),
+    ];
+    let steps = vec![ints("kernel_shape", vec![PATCH as i64; 2]), ints("strides", vec![PATCH as i64; 2])];
+    let nodes = vec![
+        node("Conv", &["x", "weights", "bias"], "patches", steps),
+        node("Relu", &["patches"], "above", vec![]),
+        node("Squeeze", &["above", "axis"], "y", vec![]),
+    ];
+    let onnx = model(nodes, tensors, value("x", 3, 2), value("y", 1, 2));
+    let rules = "working_long_side = 224\nmultiple_of = 14\n\n[relative]\n\
+        mean = [0.485, 0.456, 0.406]\nstd = [0.229, 0.224, 0.225]\n";
+    write_with_manifest(folder, id, &onnx, "relative-depth", rules);
+}
+
+/// Writes a relative-depth net as others do: a fixed size, `[1, 32, 48, 3]`, blue first, the answer `[1, 32, 48, 1]` a
+/// distance. It takes blue for far: 2 + 4 · blue metres.
+pub fn write_metres(folder: &Path, id: &str) {
+    let tensors = vec![floats("weights", &[1, 3, 1, 1], &[4.0, 0.0, 0.0]), floats("bias", &[1], &[2.0])];
+    let nodes = vec![
+        node("Transpose", &["x"], "planes", vec![ints("perm", vec![0, 3, 1, 2])]),
+        node("Conv", &["planes", "weights", "bias"], "metres", vec![ints("kernel_shape", vec![1, 1])]),
+        node("Transpose", &["metres"], "y", vec![ints("perm", vec![0, 2, 3, 1])]),
+    ];
+    let onnx = model(nodes, tensors, value("x", 32, 2), value("y", 32, 2));
+    let rules = "[relative]\ninput_size = [48, 32]\norder = \"bgr\"\nlayout = \"nhwc\"\noutput = \"distance\"\n";
+    write_with_manifest(folder, id, &onnx, "relative-depth", rules);
 }

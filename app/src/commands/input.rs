@@ -10,7 +10,8 @@ use plenoscope::io::{self, EmbeddedDepth, LightFieldFile, Opened, PhotoFile};
 use plenoscope::job::Job;
 use plenoscope::synth::cache::Cache;
 use plenoscope::synth::{
-    DepthSource, ModelSource, ModelTag, SynthParams, Synthesis, Synthesizer, lift, sweep, synthesize_from_map,
+    DepthSource, ModelSource, ModelTag, SynthParams, Synthesis, Synthesizer, lift, order_range_px, sweep,
+    synthesize_from_map,
 };
 
 use crate::cli::SynthArgs;
@@ -99,7 +100,8 @@ fn params(args: &SynthArgs, phone: Option<&EmbeddedDepth>) -> Result<SynthParams
             "fused" => DepthSource::Fused,
             model => DepthSource::Model(model.to_owned()),
         },
-        phone: phone.map(|depth| Arc::new(depth.disparity(phone_range_px(depth)))),
+        // A phone's depth has no scale of its own.
+        phone: phone.map(|depth| Arc::new(depth.disparity(order_range_px(depth.size[0])))),
     })
 }
 
@@ -111,9 +113,4 @@ pub fn disparity(args: &SynthArgs) -> Result<Option<DisparityMap>> {
 /// The folder of `--models`, or the nets in the program.
 pub fn model_source(args: &SynthArgs) -> ModelSource {
     args.models.clone().map_or(ModelSource::Embedded, ModelSource::Folder)
-}
-
-/// A phone's depth has no scale of its own: it is spread as a net spreads a photo, at the map's width.
-fn phone_range_px(depth: &EmbeddedDepth) -> [f32; 2] {
-    [-1.0, 1.0].map(|at_540: f32| at_540 * depth.size[0] as f32 / 540.0)
 }

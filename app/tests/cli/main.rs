@@ -5,5 +5,7 @@ mod basics;
 mod common;
 mod light_field;
 mod nets;
+#[path = "../../../tests/common/nets.rs"]
+mod small_nets;
 #[cfg(target_os = "linux")]
 mod window;

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::common::{Scratch, plenoscope};
+use crate::small_nets;
 use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
 
@@ -67,6 +68,29 @@ fn a_model_that_was_tampered_with_is_refused() {
         .code(1)
         .stderr(said);
     assert!(!dir.path("field").exists());
+}
+
+#[test]
+fn a_depth_net_of_ones_own_is_one_more_source() {
+    if !have_models() {
+        return;
+    }
+    let dir = Scratch::new();
+    let photo = dir.photo("photo.png", 64, 48);
+    // The folder holds nothing else: the nets in the program do the rest.
+    small_nets::write_metres(&dir.path("mine"), "metres");
+    let with = |source: &str, out: &str| {
+        let args = ["synth", &photo, "--models", &dir.arg("mine"), "--source", source, "-o", &dir.arg(out)];
+        plenoscope(&args).assert()
+    };
+    with("metres", "field").success();
+    let index: serde_json::Value =
+        serde_json::from_slice(&fs::read(dir.path("field/lightfield.json")).unwrap()).unwrap();
+    assert_eq!(index["models"][0]["id"], "metres");
+    assert!(dir.path("field/disparity_7_7.pfm").exists());
+    let said = starts_with("error: ").and(contains("meters")).and(contains("network, phone, fused, metres"));
+    with("meters", "none").code(1).stderr(said);
+    assert!(!dir.path("none").exists());
 }
 
 fn all_files(folder: &Path) -> Vec<PathBuf> {
