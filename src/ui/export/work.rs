@@ -12,6 +12,7 @@ use super::super::subject;
 use super::super::worker::{Event, JobId, Outbox, Work};
 use super::{Existing, ExportSettings, What, series};
 use crate::field::{DisparityMap, LightField, Photo, RayDepths};
+use crate::io::formats::depth_out::Seen;
 use crate::io::formats::{Source, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
 use crate::io::save::{self, Keep, Origin, PictureOptions, SaveError};
 use crate::job::{Cancel, Job, Progress, Sink, Stage};
@@ -166,7 +167,10 @@ fn write(target: &Path, request: &Request, job: &Job) -> Result<(), AnyError> {
         }
         What::DepthPng => depth_out::write_png16(target, &map()?)?,
         What::DepthPfm => depth_out::write_pfm(target, &map()?)?,
-        What::Gdepth => depth_out::write_gdepth(target, field.reference(), &map()?, GDEPTH_QUALITY)?,
+        What::Gdepth => {
+            let seen = photo.as_deref().map_or(Seen::View(field.reference()), Seen::Photo);
+            depth_out::write_gdepth(target, seen, &map()?, GDEPTH_QUALITY)?;
+        }
         What::Ply => ply::write(target, &source)?,
     }
     Ok(())
