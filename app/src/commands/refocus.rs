@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use plenoscope::field::{DisparityMap, FocalPlane, Lens, Photo, View, ViewOffset, ViewPoint, fit_long_side};
+use plenoscope::field::{DisparityMap, FNumber, FocalPlane, Lens, Photo, View, ViewOffset, ViewPoint, fit_long_side};
 use plenoscope::io::save::{self, Keep, Origin, PictureOptions};
 use plenoscope::io::{Opened, PhotoFile};
 use plenoscope::job::{Job, Stage};
 use plenoscope::recipe::Recipe;
+use plenoscope::render::lens::Space;
 use plenoscope::render::{cpu, lens};
 
 use super::input::{self, Scene};
@@ -91,7 +92,8 @@ impl Edit<'_> {
         Ok(save::pixels(&self.args.output, &pixels, &options)?)
     }
 
-    /// At the light field's size, as the paper does it: shift the views and add.
+    /// At the light field's size, as the paper does it: shift the views and add. A lens that is wider than all views
+    /// together is the lens renderer's.
     fn of_views(&self, scene: &Scene, job: &Job) -> Result<()> {
         let depths = scene.depths(job)?;
         let own = reference_map(&depths);
@@ -111,7 +113,13 @@ impl Edit<'_> {
             }
             None => lens_args::lens(&self.args.lens, base, photo_size, &own)?,
         };
-        let picture = cpu::refocus_with_depths(&scene.field, Some(&depths), &lens, self.viewpoint());
+        let picture = if lens.f_number < FNumber::PAPER_WIDEST {
+            let size = scene.field.size();
+            let wide = view_scene(scene, job)?.in_space(Space::Srgb).seen_from(self.viewpoint(), size, job)?;
+            lens::render(&wide, &lens, size, job)?
+        } else {
+            cpu::refocus_with_depths(&scene.field, Some(&depths), &lens, self.viewpoint())
+        };
         job.advance(Stage::Save, 0, 1)?;
         let origin = scene.photo.as_deref().map(Origin::in_srgb).unwrap_or_default();
         Ok(save::picture(&self.args.output, &picture, &self.options(origin, 8))?)

@@ -92,6 +92,27 @@ fn the_exports_are_made() {
 }
 
 #[test]
+fn series_are_made_and_the_lens_stands_where_it_is_put() {
+    let dir = sample();
+    let series = ["--size", "90x60", "--frames", "3"];
+    let export = |rest: &[&str]| on_sample(&dir, "export", &[&series[..], rest].concat()).success();
+    export(&["--as", "focal-stack", "-o", &dir.arg("stack")]);
+    for name in ["frame_000.png", "frame_002.png", "all_in_focus.png", "depth_index.png"] {
+        assert_eq!(image::open(dir.path("stack").join(name)).unwrap().dimensions(), (90, 60), "{name}");
+    }
+    for (motion, name) in [("focus-pull", "a.gif"), ("aperture-ramp", "b.webp"), ("circle", "c.png")] {
+        export(&["--as", "animation", "--motion", motion, "-o", &dir.arg(name)]);
+        assert_eq!(image::open(dir.path(name)).unwrap().dimensions(), (90, 60), "{name}");
+    }
+    let refocus = |name: &str, rest: &[&str]| {
+        on_sample(&dir, "refocus", &[&["--size", "90x60", "-o", &dir.arg(name)], rest].concat()).success();
+        fs::read(dir.path(name)).unwrap()
+    };
+    assert_eq!(refocus("middle.png", &[]), refocus("zero.png", &["--at", "0,0"]));
+    assert_ne!(refocus("middle.png", &[]), refocus("left.png", &["--at", "-3,0"]));
+}
+
+#[test]
 fn the_input_is_not_written_over() {
     let dir = sample();
     let before = fs::read(dir.path("sample.png")).unwrap();
