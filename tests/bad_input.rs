@@ -134,7 +134,7 @@ fn fuzz_folder(parser: &str, folder: &Path, files: &[&str]) {
     for name in files {
         let path = folder.join(name);
         let whole = std::fs::read(&path).unwrap();
-        fuzz(&format!("{parser}-{name}"), &[whole.clone()], |bytes| {
+        fuzz(&format!("{parser}-{name}"), std::slice::from_ref(&whole), |bytes| {
             std::fs::write(&path, bytes).unwrap();
             open_path(folder)
         });

@@ -84,21 +84,21 @@ impl App {
 
     /// Puts the edit beside the photo, if it has changed.
     pub(super) fn keep_now(&mut self) {
-        if let Some(keep) = self.to_keep() {
+        if let Some(keep) = self.take_unkept() {
             self.workers.sidecar.push(keep);
         }
     }
 
     /// The last edit, while the window closes: a few hundred bytes, written before the threads are gone.
     pub(super) fn keep_at_exit(&mut self) {
-        if let Some(Keep { photo, recipe }) = self.to_keep()
+        if let Some(Keep { photo, recipe }) = self.take_unkept()
             && let Err(error) = recipe.write(&Recipe::sidecar(&photo))
         {
             log::warn!("{}", sentence(&error));
         }
     }
 
-    fn to_keep(&mut self) -> Option<Keep> {
+    fn take_unkept(&mut self) -> Option<Keep> {
         let is_new = self.history.kept.is_some_and(|kept| kept != self.edit);
         let photo = self.document.path.clone().filter(|_| self.document.photo.is_some())?;
         if !is_new || !self.settings.keeps_edits || self.is_circling {

@@ -24,7 +24,8 @@ fn photos_that_are_dropped_together_are_exported_and_a_bad_one_stops_nothing() {
     drop_files(&mut harness, &[last, bad, first]);
     steps(&mut harness, 2);
     harness.get_by_label("Export all…").click();
-    steps(&mut harness, 3);
+    // A dialog that scrolls takes a few frames to find its size.
+    steps(&mut harness, 5);
     harness.get_by_role_and_label(Role::Button, "Export").click();
     steps(&mut harness, 2);
     assert!(harness.state().is_busy());

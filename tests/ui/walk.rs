@@ -4,7 +4,7 @@ use egui::{pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use plenoscope::field::ViewPoint;
 
-use crate::common::{button, click, has_device, wait, with_sample};
+use crate::common::{button, click, has_device, steps, wait, with_sample};
 
 #[test]
 fn the_main_walk() {
@@ -43,8 +43,8 @@ fn the_main_walk() {
     let folder = tempfile::tempdir().expect("a folder to export into");
     harness.state_mut().set_export_folder(folder.path());
     harness.get_by_label("Export…").click();
-    harness.step();
-    harness.step();
+    // A dialog that scrolls takes a few frames to find its size.
+    steps(&mut harness, 5);
     harness.get_by_role_and_label(egui::accesskit::Role::Button, "Export").click();
     harness.step();
     wait(&mut harness, "the export", |app| !app.is_busy());

@@ -36,7 +36,7 @@ pub fn write<W: Write + Seek>(
         chunk(out, b"ANMF", &frame(&picture?, frame_ms)?).map_err(failed)?;
     }
     let end = out.stream_position().map_err(failed)?;
-    let bytes = u32::try_from(end - 8).map_err(|_| SaveError::Encode {
+    let bytes = u32::try_from(end - 8).map_err(|_too_large| SaveError::Encode {
         why: "a WebP is at most 4 GiB large; choose a smaller size or fewer frames".to_owned(),
         path: Path::new("").to_owned(),
     })?;

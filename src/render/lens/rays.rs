@@ -81,7 +81,7 @@ impl Slices {
     /// Sends a block of pixels whose upper left one is at `place`, `[y, x]` of [`BLOCK`]² pieces.
     pub(super) fn send_block(&mut self, place: [i32; 2], pieces: &mut [Piece]) {
         let mut side = BLOCK;
-        for level in 1..LEVELS {
+        for (level, coarse_px) in COARSE_PX.iter().enumerate().skip(1) {
             let mut left = false;
             let half = side / 2;
             for y in 0..half {
@@ -89,7 +89,7 @@ impl Slices {
                     // The parent takes the place of cells that were read already.
                     let children = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (2 * y + dy) * side + 2 * x + dx);
                     let four = children.map(|i| pieces[i]);
-                    let parent = joined(&four, COARSE_PX[level] / self.finest);
+                    let parent = joined(&four, coarse_px / self.finest);
                     if parent.peak.is_infinite() {
                         for (i, piece) in four.iter().enumerate().filter(|(_, p)| p.peak.is_finite()) {
                             let cell = [2 * x + i % 2, 2 * y + i / 2];

@@ -175,7 +175,7 @@ impl Front {
             metadata.icc = None;
         }
         let photo = Photo::new(self.size, PhotoPixels::Sixteen(wide.into()), narrow.into(), metadata);
-        let photo = photo.map_err(|_| LensError::NotANumber)?;
+        let photo = photo.map_err(|_wrong_size| LensError::NotANumber)?;
         let photo = match from.photo.source() {
             Some(path) => photo.with_source(path),
             None => photo,

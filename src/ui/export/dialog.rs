@@ -29,7 +29,7 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         ui.add_space(theme::GRID);
         let room = (ctx.content_rect().height() - 150.0).max(120.0);
-        egui::ScrollArea::vertical().max_height(room).show(ui, |ui| body(ui, app));
+        egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| body(ui, app));
         ui.add_space(theme::GRID);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::main_button(ui, "Export").clicked() {
