@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rayon::prelude::*;
+use plenoscope::kernel::{Isa, peak};
 use serde::Serialize;
 
 use crate::TrainError;
@@ -33,10 +33,12 @@ pub struct Measured {
 
 /// Steps that are timed, after one that is not.
 const STEPS: usize = 5;
+/// Measurements of the peak, of which the best counts.
+const PEAK_TRIES: usize = 20;
 
 /// The paper's step (batch 4, 96² × 8 × 8, both nets, all losses, Adam) and the everyday net's.
 pub fn measure(config: &Config) -> Result<Vec<Measured>, TrainError> {
-    let peak = peak_gflops();
+    let peak = peak::gflops(Isa::best(), rayon::current_num_threads(), PEAK_TRIES);
     let losses = Config::preset(crate::config::Preset::Paper).losses;
     let paper = Config { losses, ..config.clone() };
     let batch = random_batch(4, (96, 96), (0..VIEWS).collect());
@@ -94,37 +96,4 @@ fn random_batch(samples: usize, (width, height): (usize, usize), views: Vec<usiz
     let views = (0..3 * maps.len()).map(|_| rng.unit()).collect();
     let truth = (0..maps.len()).map(|_| rng.range(-0.5, 0.5)).collect();
     Batch { first_sample: 0, views, truth, yx: vec![[-1.0, 1.0, -1.0, 1.0]; samples], maps }
-}
-
-/// Multiply-adds a second that the kernel itself reaches where nothing hinders it: a convolution whose input and
-/// weights stay in the first caches, on all threads.
-fn peak_gflops() -> f64 {
-    use plenoscope::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Padding};
-    let shape = ConvShape {
-        batch: 1,
-        channels_in: 32,
-        channels_out: 8,
-        views: 1,
-        height: 4,
-        width: 48,
-        kernel: Kernel::Plane,
-        dilation: 1,
-        padding: Padding::Edge,
-    };
-    let best = |_| {
-        let conv = Conv::new(shape, Isa::best());
-        let (x, weights) = (vec![0.5; shape.input_len()], vec![0.25; shape.weights_len()]);
-        let (x, weights) = (conv.pad_input(&x), conv.pack(&weights));
-        let rounds = 2000;
-        let mut fastest = f64::INFINITY;
-        for _ in 0..3 {
-            let start = Instant::now();
-            for _ in 0..rounds {
-                std::hint::black_box(conv.forward(&x, &weights, None, Activation::None, None).ok());
-            }
-            fastest = fastest.min(start.elapsed().as_secs_f64());
-        }
-        shape.flop() * f64::from(rounds) / fastest / 1e9
-    };
-    (0..rayon::current_num_threads()).into_par_iter().map(best).sum()
 }

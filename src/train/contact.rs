@@ -8,8 +8,8 @@ use crate::eval::sheet::{depth_tile, epi_tile, usual_range};
 use crate::eval::{Rgb, warp};
 use crate::nets::{REFERENCE, SIDE, VIEWS};
 use crate::scenes::raster::Raster;
+use crate::scenes::steps;
 use crate::step;
-use crate::warp::steps;
 
 /// Height in pixels of a view's line in an epipolar image.
 const LINE_PX: usize = 8;

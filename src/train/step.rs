@@ -13,7 +13,8 @@ use crate::loss::{self, Maps};
 use crate::nets::{Graph, Mode, Tape, Weights, values};
 use crate::ops::Path;
 use crate::optimizer::Step;
-use crate::warp::steps;
+use crate::scenes::steps;
+use crate::warp::{RayEnd, ray_end};
 
 /// Values of the losses of a step, by name, before they are weighed.
 pub type Parts = BTreeMap<&'static str, f32>;
@@ -233,16 +234,6 @@ fn occlusion_input(tape: &Tape<'_>, maps: &Maps, rendered: &[f32], depth: &[f32]
     tape.input(input, [maps.samples, 4, nv, maps.height, maps.width])
 }
 
-/// What the photo knows of a ray's end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum End {
-    Seen,
-    /// Behind something nearer.
-    Hidden,
-    /// Beside the crop.
-    Outside,
-}
-
 /// Mean |L_r + õ − L| over views, colours and pixels in 0 … 1, and beside it the same without the residual; for all
 /// rays, then for hidden ones. The gradient with respect to the residual `[n, 3, v, h, w]` (in −1 … 1) is that of the
 /// mean in which hidden rays weigh `w_hidden` and those that leave the crop `w_outside`.
@@ -257,17 +248,17 @@ fn occlusion_loss(batch: &Batch, rendered: &[f32], residual: &[f32], weights: &L
         let end = ends[(n * nv + v) * p + i % p];
         let without = rendered[at] - batch.views[at];
         let with = without + 0.5 * residual[i];
-        let of = &mut sums[usize::from(end == End::Hidden)];
+        let of = &mut sums[usize::from(end == RayEnd::Hidden)];
         *of = [of[0] + f64::from(with.abs()), of[1] + f64::from(without.abs())];
         let weight = match end {
-            End::Seen => 1.0,
-            End::Hidden => weights.w_hidden,
-            End::Outside => weights.w_outside,
+            RayEnd::Seen => 1.0,
+            RayEnd::Hidden => weights.w_hidden,
+            RayEnd::Outside => weights.w_outside,
         };
         *g = if with == 0.0 { 0.0 } else { weight * with.signum() / residual.len() as f32 };
     }
     let [rest, hidden] = sums;
-    let hidden_count = 3 * ends.iter().filter(|&&end| end == End::Hidden).count();
+    let hidden_count = 3 * ends.iter().filter(|&&end| end == RayEnd::Hidden).count();
     let mean = |sum: f64, count: usize| (sum / count.max(1) as f64) as f32;
     let parts = [
         ("full", mean(rest[0] + hidden[0], residual.len())),
@@ -278,26 +269,12 @@ fn occlusion_loss(batch: &Batch, rendered: &[f32], residual: &[f32], weights: &L
     (Parts::from(parts), gradient)
 }
 
-/// By how much nearer the photo's surface must be for what is behind it to count as hidden, in px per view step.
-const HIDDEN_PX: f32 = 0.15;
-
 /// Where the rays `[n, v, h, w]` end. Those without a true ray depth count as seen.
-fn ends_of_rays(batch: &Batch) -> Vec<End> {
-    let (w, h, p, nv) = (batch.maps.width, batch.maps.height, batch.maps.plane(), batch.maps.views.len());
+fn ends_of_rays(batch: &Batch) -> Vec<RayEnd> {
+    let (p, nv) = (batch.maps.plane(), batch.maps.views.len());
     let end = |map: usize, i: usize| {
-        let (du, dv) = steps(batch.maps.views[map % nv]);
-        let d = batch.truth[map * p + i];
-        let (x, y) = ((i % w) as f32 + du * d, (i / w) as f32 + dv * d);
-        if d.is_nan() {
-            return End::Seen;
-        }
-        if x < 0.0 || y < 0.0 || x > (w - 1) as f32 || y > (h - 1) as f32 {
-            return End::Outside;
-        }
         let photo = &batch.truth[(map / nv * nv + batch.maps.reference()) * p..][..p];
-        let corners = [(x.floor(), y.floor()), (x.ceil(), y.floor()), (x.floor(), y.ceil()), (x.ceil(), y.ceil())];
-        let nearer = corners.iter().all(|&(x, y)| photo[y as usize * w + x as usize] - d > HIDDEN_PX);
-        if nearer { End::Hidden } else { End::Seen }
+        ray_end(photo, batch.maps.width, i, steps(batch.maps.views[map % nv]), batch.truth[map * p + i])
     };
     let rays = batch.maps.samples * nv * p;
     (0..rays).into_par_iter().with_min_len(p).map(|ray| end(ray / p, ray % p)).collect()
@@ -366,7 +343,7 @@ mod tests {
         let truth = [left_view, next_row, reference, reference].concat();
         let batch = Batch { views: vec![0.0; 3 * maps.len()], truth, first_sample: 0, yx: vec![[0.0; 4]], maps };
         let ends = ends_of_rays(&batch);
-        let (h, s, o) = (End::Hidden, End::Seen, End::Outside);
+        let (h, s, o) = (RayEnd::Hidden, RayEnd::Seen, RayEnd::Outside);
         assert_eq!(ends[..8], [h, h, h, h, s, s, s, s]);
         assert_eq!(ends[8..16], [o, o, o, o, s, s, s, s]);
         assert!(ends[16..].iter().all(|end| *end == s));

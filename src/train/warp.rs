@@ -41,9 +41,32 @@ pub fn weights(width: usize, x: Tap, y: Tap) -> [(usize, f32); 4] {
     [(at, (1.0 - fx) * (1.0 - fy)), (at + 1, fx * (1.0 - fy)), (at + width, (1.0 - fx) * fy), (at + width + 1, fx * fy)]
 }
 
-/// Steps `(du, dv)` of a view, by its number in `[v, u]` order, from the reference view (4, 4).
-pub fn steps(layer: usize) -> (f32, f32) {
-    use crate::nets::{REFERENCE, SIDE};
-    let apart = |a: usize, b: usize| a as f32 - b as f32;
-    (apart(layer % SIDE, REFERENCE % SIDE), apart(layer / SIDE, REFERENCE / SIDE))
+/// By how much nearer the reference view's surface must be for what is behind it to count as hidden, px per view step.
+const HIDDEN_PX: f32 = 0.15;
+
+/// What the reference view knows of a ray's end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RayEnd {
+    /// It sees it, or nobody knows how far away it is.
+    Seen,
+    /// It sees something nearer there.
+    Hidden,
+    /// It lies beside the picture.
+    Outside,
+}
+
+/// Where pixel `i` of a view `(du, dv)` steps away ends, its ray depth being `d` and those of the reference view
+/// `reference` `[y, x]`, `width` wide; px per view step.
+pub fn ray_end(reference: &[f32], width: usize, i: usize, (du, dv): (f32, f32), d: f32) -> RayEnd {
+    let height = reference.len() / width;
+    let (x, y) = ((i % width) as f32 + du * d, (i / width) as f32 + dv * d);
+    if d.is_nan() {
+        return RayEnd::Seen;
+    }
+    if x < 0.0 || y < 0.0 || x > (width - 1) as f32 || y > (height - 1) as f32 {
+        return RayEnd::Outside;
+    }
+    let corners = [(x.floor(), y.floor()), (x.ceil(), y.floor()), (x.floor(), y.ceil()), (x.ceil(), y.ceil())];
+    let nearer = corners.iter().all(|&(x, y)| reference[y as usize * width + x as usize] - d > HIDDEN_PX);
+    if nearer { RayEnd::Hidden } else { RayEnd::Seen }
 }

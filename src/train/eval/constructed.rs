@@ -8,9 +8,7 @@ use super::sheet::{depth_tile, usual_range};
 use super::{CORNERS, Predictor, photos, warp};
 use crate::scenes::raster::Raster;
 use crate::scenes::{Config, Mix, REFERENCE, Sample, Source, Split, steps};
-
-/// By how much nearer the reference view's surface must be for what is behind it to count as hidden.
-const HIDDEN_PX: f32 = 0.15;
+use crate::warp::{RayEnd, ray_end};
 
 /// Means over the scenes.
 #[derive(Clone, Debug, Serialize)]
@@ -168,16 +166,7 @@ impl Scene {
 
     /// Whether the reference view sees something nearer where this ray of a view ends.
     fn is_hidden(&self, layer: usize, i: usize) -> bool {
-        let [w, h] = self.size;
-        let (du, dv) = steps(layer);
-        let d = self.depths[layer][i];
-        let (x, y) = ((i % w) as f32 + du * d, (i / w) as f32 + dv * d);
-        if x < 0.0 || y < 0.0 || x > (w - 1) as f32 || y > (h - 1) as f32 {
-            return false;
-        }
-        let at = |x: f32, y: f32| self.depths[REFERENCE][y as usize * w + x as usize];
-        let around =
-            [at(x.floor(), y.floor()), at(x.ceil(), y.floor()), at(x.floor(), y.ceil()), at(x.ceil(), y.ceil())];
-        around.iter().all(|near| near - d > HIDDEN_PX)
+        let end = ray_end(&self.depths[REFERENCE], self.size[0], i, steps(layer), self.depths[layer][i]);
+        end == RayEnd::Hidden
     }
 }

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 
 use super::{Maps, sign};
-use crate::warp::{sample, steps, tap};
+use crate::scenes::steps;
+use crate::warp::{sample, tap};
 
 /// Mean |L_r(x, u) − L(x, u)| over all given views, colours and pixels, with L_r(x, u) = L(x + u·D(x, u), 0)
 /// (paper, §4.2 and eq. of the training loss).
