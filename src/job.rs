@@ -20,6 +20,11 @@ impl Cancel {
         self.0.load(Ordering::Relaxed)
     }
 
+    /// `Err(Cancelled)` once the job has been asked to stop.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
     /// The flag itself, for code that cannot see this type (the convolution kernel).
     pub fn flag(&self) -> &AtomicBool {
         &self.0
@@ -103,7 +108,7 @@ pub struct Job<'a> {
 impl Job<'_> {
     /// `Err(Cancelled)` once the job has been asked to stop.
     pub fn check(&self) -> Result<(), Cancelled> {
-        if self.cancel.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+        self.cancel.check()
     }
 
     /// Tells the sink how far `stage` is, and checks for cancel.

@@ -138,8 +138,9 @@ fn odd_and_tiny_photos_become_light_fields_too() {
     let (cancel, params) = (Cancel::default(), SynthParams { long_side: 64, ..SynthParams::default() });
     for (w, h) in [(1, 1), (1, 90), (301, 2), (33, 31)] {
         let photo = photo(w, h);
-        let made = synthesizer.synthesize(&photo, &params, &Job { cancel: &cancel, sink: &() }).unwrap();
-        assert_eq!(**made.field.reference(), reference_view(&photo, 64).unwrap(), "{w}×{h}");
+        let job = Job { cancel: &cancel, sink: &() };
+        let made = synthesizer.synthesize(&photo, &params, &job).unwrap();
+        assert_eq!(**made.field.reference(), reference_view(&photo, 64, &job).unwrap(), "{w}×{h}");
         let map = DisparityMap::new(made.depths.size(), made.depths.reference().to_vec()).unwrap();
         assert_eq!(lift::ray_depths(&map, ViewGrid::PAPER), *made.depths);
     }

@@ -68,7 +68,7 @@ impl Synthesizer {
         entry: &Entry,
         job: &Job,
     ) -> Result<Option<Made>, SynthError> {
-        let reference = reference_view(photo, params.long_side.max(1))?;
+        let reference = reference_view(photo, params.long_side, job)?;
         let (grid, bytes) = (self.grid(), reference.rgba().len() / 4 * 3);
         if entry.map.size != reference.size() || entry.differences.len() != bytes * grid.count() {
             return Ok(None);

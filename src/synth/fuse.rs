@@ -3,6 +3,7 @@
 use super::resample::{Filter, resample};
 use super::upsample;
 use crate::field::{DisparityMap, View};
+use crate::job::{Cancelled, Job};
 
 /// Least correlation at which the net may set the phone's scale.
 const AGREES: f32 = 0.2;
@@ -11,13 +12,16 @@ const AGREES: f32 = 0.2;
 ///
 /// The phone's map is affine-unknown (larger is nearer). Where the two contradict each other, the phone's map is
 /// given the spread of the net's.
-pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View) -> DisparityMap {
+///
+/// # Errors
+/// Cancelled.
+pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, Cancelled> {
     let size = net.size.map(|side| side as usize);
     let phone_small = resample::<1>(&phone.disparity_px, phone.size.map(|side| side as usize), size, Filter::Linear);
     let (gain, shift) = affine_fit(&phone_small, &net.disparity_px);
     let ratio = phone.size[0] as f32 / net.size[0] as f32;
     let disparity_px = phone.disparity_px.iter().map(|d| (gain * d + shift) * ratio).collect();
-    upsample::to_guide(&DisparityMap { size: phone.size, disparity_px }, guide)
+    upsample::to_guide(&DisparityMap { size: phone.size, disparity_px }, guide, job)
 }
 
 /// Gain and shift that bring `from` nearest to `to` (least squares), with the gain kept positive.

@@ -1,38 +1,45 @@
 //! The photo at the size of a view, and as the numbers that nets and warps read.
 
+use std::convert::Infallible;
+
 use glam::Vec4;
 use rayon::prelude::*;
 
+use super::SynthError;
 use super::resample::{Filter, resample, resample_rows};
 use crate::field::color::{linear_from_srgb8, signed_from_u8, srgb_from_linear, srgb8_from_linear};
-use crate::field::{FieldError, Photo, View, fit_long_side};
+use crate::field::{Photo, View, fit_long_side};
+use crate::job::{Cancelled, Job};
 
 /// The reference view: the photo, its longer side at most `long_side`, light averaged as light.
 ///
 /// # Errors
-/// None for a photo that is valid.
-pub fn reference_view(photo: &Photo, long_side: u32) -> Result<View, FieldError> {
-    let target = fit_long_side(photo.size(), long_side);
+/// Cancelled.
+pub fn reference_view(photo: &Photo, long_side: u32, job: &Job) -> Result<View, SynthError> {
+    let target = fit_long_side(photo.size(), long_side.max(1));
     if target == photo.size() {
-        return View::new(target, photo.srgb8().to_vec());
+        return Ok(View::new(target, photo.srgb8().to_vec())?);
     }
-    let light = shrink(photo, target.map(|side| side as usize));
+    let light = shrink(photo, target.map(|side| side as usize), job)?;
     let encode =
         |pixel: &[f32]| [srgb8_from_linear(pixel[0]), srgb8_from_linear(pixel[1]), srgb8_from_linear(pixel[2]), 255];
     let rgba: Vec<[u8; 4]> = light.par_chunks_exact(3).map(encode).collect();
-    View::new(target, rgba.into_flattened())
+    Ok(View::new(target, rgba.into_flattened())?)
 }
 
 /// Linear light of the photo at another size. Large photos take a cheap step to twice the size first.
-fn shrink(photo: &Photo, target: [usize; 2]) -> Vec<f32> {
+fn shrink(photo: &Photo, target: [usize; 2], job: &Job) -> Result<Vec<f32>, Cancelled> {
     let source = photo.size().map(|side| side as usize);
-    let rows = |y: usize, buffer: &mut [f32]| light_row(photo.srgb8(), source[0], y, buffer);
+    let rows = |y: usize, buffer: &mut [f32]| {
+        light_row(photo.srgb8(), source[0], y, buffer);
+        job.cancel.check()
+    };
     let half = target.map(|side| side * 2);
     if source[0] < 2 * half[0] || source[1] < 2 * half[1] {
-        return resample_rows::<3>(source, target, Filter::Lanczos3, rows);
+        return resample_rows::<3, _>(source, target, Filter::Lanczos3, rows);
     }
-    let between = resample_rows::<3>(source, half, Filter::Linear, rows);
-    resample::<3>(&between, half, target, Filter::Lanczos3)
+    let between = resample_rows::<3, _>(source, half, Filter::Linear, rows)?;
+    Ok(resample::<3>(&between, half, target, Filter::Lanczos3))
 }
 
 fn light_row(rgba: &[u8], width: usize, y: usize, buffer: &mut [f32]) {
@@ -67,8 +74,10 @@ impl Signed {
         if source == target {
             return Self::from_view(view);
         }
-        let rows = |y: usize, buffer: &mut [f32]| light_row(view.rgba(), source[0], y, buffer);
-        let light = resample_rows::<3>(source, target, Filter::Lanczos3, rows);
+        let Ok(light) = resample_rows::<3, Infallible>(source, target, Filter::Lanczos3, |y, buffer| {
+            light_row(view.rgba(), source[0], y, buffer);
+            Ok(())
+        });
         let signed = |v: f32| srgb_from_linear(v) * 2.0 - 1.0;
         let pixel = |p: &[f32]| Vec4::new(signed(p[0]), signed(p[1]), signed(p[2]), 0.0);
         Self { size: target, pixels: light.chunks_exact(3).map(pixel).collect() }
@@ -92,6 +101,7 @@ impl Signed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::Cancel;
 
     fn checkers(size: [u32; 2]) -> Photo {
         let pixel =
@@ -99,16 +109,28 @@ mod tests {
         Photo::from_srgb8(size, (0..size[0] * size[1]).flat_map(pixel).collect()).unwrap()
     }
 
+    fn reference(photo: &Photo, long_side: u32) -> View {
+        reference_view(photo, long_side, &Job { cancel: &Cancel::default(), sink: &() }).unwrap()
+    }
+
+    #[test]
+    fn a_stopped_job_shrinks_no_photo() {
+        let cancel = Cancel::default();
+        cancel.cancel();
+        let made = reference_view(&checkers([80, 60]), 20, &Job { cancel: &cancel, sink: &() });
+        assert!(matches!(made, Err(SynthError::Cancelled(_))), "{made:?}");
+    }
+
     #[test]
     fn a_small_photo_is_its_own_reference_view() {
         let photo = checkers([30, 20]);
-        assert_eq!(reference_view(&photo, 540).unwrap().rgba(), &photo.srgb8()[..]);
+        assert_eq!(reference(&photo, 540).rgba(), &photo.srgb8()[..]);
     }
 
     #[test]
     fn black_and_white_average_to_half_the_light_not_half_the_code() {
         for side in [80, 400] {
-            let view = reference_view(&checkers([side, side]), 20).unwrap();
+            let view = reference(&checkers([side, side]), 20);
             assert_eq!(view.size(), [20, 20]);
             let middle = view.pixel(10, 10)[0];
             assert!(middle.abs_diff(188) <= 1, "sRGB {middle} where half the light is 188");

@@ -85,7 +85,7 @@ impl Synthesizer {
 
     fn stages(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<Made, SynthError> {
         job.advance(Stage::Depth, 0, 3)?;
-        let reference = Arc::new(reference_view(photo, params.long_side.max(1))?);
+        let reference = Arc::new(reference_view(photo, params.long_side, job)?);
         job.sink.view(self.grid().reference(), &reference);
         let depths = Arc::new(self.ray_depths(&reference, params, job)?);
         job.advance(Stage::Depth, 3, 3)?;
@@ -106,10 +106,10 @@ impl Synthesizer {
         let threads = params.threads;
         let map = match (&params.source, &params.phone) {
             (DepthSource::Model(id), _) => self.relative(id)?.estimate(reference, threads, job)?,
-            (DepthSource::Phone, Some(phone)) => upsample::to_guide(phone, reference),
+            (DepthSource::Phone, Some(phone)) => upsample::to_guide(phone, reference, job)?,
             (DepthSource::Fused, Some(phone)) => {
                 let net = self.depth.estimate(reference, threads, job)?.reference();
-                fuse::fuse(&net, phone, reference)
+                fuse::fuse(&net, phone, reference, job)?
             }
             (source, _) => {
                 if *source != DepthSource::Network {
@@ -135,7 +135,7 @@ impl Synthesizer {
     fn net_ray_depths(&self, reference: &View, threads: usize, job: &Job) -> Result<RayDepths, SynthError> {
         let net = self.depth.estimate(reference, threads, job)?;
         job.advance(Stage::Depth, 1, 3)?;
-        let refined = upsample::to_guide(&net.reference(), reference);
+        let refined = upsample::to_guide(&net.reference(), reference, job)?;
         job.advance(Stage::Depth, 2, 3)?;
         match self.depth.net().manifest().ray_depths {
             RayDepthsFrom::Lift => Ok(lift::lifted(&refined, self.grid(), job)?),
@@ -159,7 +159,7 @@ pub fn synthesize_from_map(
     let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
     let (field, depths) = pool.install(|| -> Result<_, SynthError> {
         job.advance(Stage::Depth, 0, 1)?;
-        let reference = Arc::new(reference_view(photo, params.long_side.max(1))?);
+        let reference = Arc::new(reference_view(photo, params.long_side, job)?);
         let depths = Arc::new(lift::lifted(&at_size(map, reference.size()), ViewGrid::PAPER, job)?);
         job.sink.depths(&depths);
         let views = lambertian_views(&reference, &Signed::from_view(&reference), &depths, job)?;

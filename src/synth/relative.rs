@@ -39,7 +39,7 @@ impl RelativeNet {
         let greatest = output.iter().copied().fold(0.0, f32::max);
         let nearness = output.iter().map(|value| manifest.relative.output.nearness(*value, greatest)).collect();
         let map = DisparityMap { size: [w as u32, h as u32], disparity_px: stretched(nearness, range_px) };
-        Ok(upsample::to_guide(&map, photo))
+        Ok(upsample::to_guide(&map, photo, job)?)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Pictures and maps at other sizes: separable filters over pixel centres (conventions in `field`).
 
+use std::convert::Infallible;
+
 use rayon::prelude::*;
 
 /// How a value is gathered from its neighbours. Shrinking widens the filter by the ratio of sizes.
@@ -63,23 +65,23 @@ impl Taps {
     }
 }
 
-/// `C` interleaved channels of a picture at another size. `row(y, buffer)` gives source row `y`.
+/// `C` interleaved channels of a picture at another size. `row(y, buffer)` gives source row `y`; its error ends it all.
 ///
 /// # Shapes
 /// - result: `[y, x, C]` of `target`
-pub(crate) fn resample_rows<const C: usize>(
+pub(crate) fn resample_rows<const C: usize, E: Send>(
     source: [usize; 2],
     target: [usize; 2],
     filter: Filter,
-    row: impl Fn(usize, &mut [f32]) + Sync,
-) -> Vec<f32> {
+    row: impl Fn(usize, &mut [f32]) -> Result<(), E> + Sync,
+) -> Result<Vec<f32>, E> {
     let (across, down) = (Taps::new(source[0], target[0], filter), Taps::new(source[1], target[1], filter));
     let wide = target[0] * C;
     let mut rows = vec![0.0; source[1] * wide];
-    rows.par_chunks_mut(wide).enumerate().for_each_init(
+    rows.par_chunks_mut(wide).enumerate().try_for_each_init(
         || vec![0.0; source[0] * C],
         |buffer, (y, out)| {
-            row(y, buffer);
+            row(y, buffer)?;
             for (x, pixel) in out.chunks_exact_mut(C).enumerate() {
                 let (first, weights) = across.of(x);
                 for (weight, from) in weights.iter().zip(buffer[first * C..].chunks_exact(C)) {
@@ -88,8 +90,9 @@ pub(crate) fn resample_rows<const C: usize>(
                     }
                 }
             }
+            Ok(())
         },
-    );
+    )?;
     let mut out = vec![0.0; target[1] * wide];
     out.par_chunks_mut(wide).enumerate().for_each(|(y, out)| {
         let (first, weights) = down.of(y);
@@ -97,7 +100,7 @@ pub(crate) fn resample_rows<const C: usize>(
             out.iter_mut().zip(from).for_each(|(o, f)| *o += weight * f);
         }
     });
-    out
+    Ok(out)
 }
 
 /// `C` interleaved channels of a picture in memory at another size; the same values where the sizes agree.
@@ -111,7 +114,11 @@ pub(crate) fn resample<const C: usize>(
         return values.to_vec();
     }
     let wide = source[0] * C;
-    resample_rows::<C>(source, target, filter, |y, buffer| buffer.copy_from_slice(&values[y * wide..(y + 1) * wide]))
+    let Ok(out) = resample_rows::<C, Infallible>(source, target, filter, |y, buffer| {
+        buffer.copy_from_slice(&values[y * wide..(y + 1) * wide]);
+        Ok(())
+    });
+    out
 }
 
 /// The value of the source pixel whose centre is nearest: for maps that must not invent values.

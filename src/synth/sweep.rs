@@ -11,7 +11,7 @@ use super::lift;
 use super::picture::Signed;
 use super::upsample::{self, EdgeAware};
 use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewOffset, fit_long_side};
-use crate::job::{Cancelled, Job, Stage};
+use crate::job::{Cancel, Cancelled, Job, Stage};
 
 /// Long side of the sweep that finds the range.
 const COARSE_LONG_SIDE: u32 = 160;
@@ -55,7 +55,7 @@ pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, Canc
     let [lo, hi] = found.range();
     let found = fine.run([(lo - margin) * ratio, (hi + margin) * ratio], job)?;
     let map = DisparityMap { size: fine.size.map(|side| side as u32), disparity_px: found.disparity_px };
-    Ok(if map.size == full { map } else { upsample::to_guide(&map, field.reference()) })
+    Ok(if map.size == full { map } else { upsample::to_guide(&map, field.reference(), job)? })
 }
 
 /// Some views of a light field at one size, with the reference view.
@@ -109,14 +109,15 @@ impl Sweep {
         while costs.len() < count {
             job.advance(Stage::Sweep, costs.len() as u32, count as u32)?;
             let planes = costs.len()..(costs.len() + batch).min(count);
-            costs.par_extend(planes.into_par_iter().map(|i| self.cost(lo + step * i as f32)));
+            let made = planes.into_par_iter().map(|i| self.cost(lo + step * i as f32, job.cancel));
+            costs.extend(made.collect::<Result<Vec<_>, _>>()?);
         }
         job.advance(Stage::Sweep, count as u32, count as u32)?;
         Ok(self.best(&costs, lo, step))
     }
 
     /// How badly the views agree with the reference view at a disparity, averaged over a window.
-    fn cost(&self, d: f32) -> Vec<f32> {
+    fn cost(&self, d: f32, cancel: &Cancel) -> Result<Vec<f32>, Cancelled> {
         let [w, h] = self.size;
         let mut cost = Vec::with_capacity(w * h);
         let mut halves = vec![[0.0f32; 4]; w];
@@ -138,8 +139,8 @@ impl Sweep {
             cost.extend(halves.iter().map(mean));
         }
         let mut cost = averaged(&cost, self.size);
-        self.edges.smooth(cost.as_chunks_mut::<1>().0);
-        cost
+        self.edges.smooth(cost.as_chunks_mut::<1>().0, cancel)?;
+        Ok(cost)
     }
 
     /// The plane of least cost of each pixel, between planes by a parabola.
@@ -209,7 +210,6 @@ mod tests {
 
     use super::*;
     use crate::field::{View, ViewGrid};
-    use crate::job::Cancel;
 
     /// A textured near square before a textured far plane, rendered exactly.
     fn scene(grid: ViewGrid, near: f32, far: f32) -> LightField {

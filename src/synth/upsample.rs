@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::lift::STEP_PX;
 use super::resample::{Filter, resample};
 use crate::field::{DisparityMap, View};
+use crate::job::{Cancel, Cancelled, Job};
 
 /// How far a certain value flows over even colour, as a share of the long side.
 const FLOW_SHARE: f32 = 0.05;
@@ -31,17 +32,20 @@ const SHARPEN_ROUNDS: usize = 6;
 /// Brings a map to the size of its guide; values are multiplied by the ratio of widths.
 ///
 /// A map that is as large as its guide already is only cleaned: its edges move to the photo's edges nearby.
-pub fn to_guide(map: &DisparityMap, guide: &View) -> DisparityMap {
+///
+/// # Errors
+/// Cancelled.
+pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, Cancelled> {
     let (source, target) = (map.size.map(|s| s as usize), guide.size().map(|s| s as usize));
     let ratio = target[0] as f32 / source[0] as f32;
     let scaled: Vec<f32> = map.disparity_px.iter().map(|d| d * ratio).collect();
     let certain = resample::<1>(&certainty(&scaled, source), source, target, Filter::Linear);
     let wide = resample::<1>(&scaled, source, target, Filter::Linear);
-    DisparityMap { size: guide.size(), disparity_px: spread(&wide, &certain, guide) }
+    Ok(DisparityMap { size: guide.size(), disparity_px: spread(&wide, &certain, guide, job)? })
 }
 
 /// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
-fn spread(values: &[f32], certain: &[f32], guide: &View) -> Vec<f32> {
+fn spread(values: &[f32], certain: &[f32], guide: &View, job: &Job) -> Result<Vec<f32>, Cancelled> {
     let size = guide.size().map(|side| side as usize);
     let mut flow: Vec<[f32; 2]> = values.iter().zip(certain).map(|(d, c)| [d * c, *c]).collect();
     let rgba = guide.rgba();
@@ -50,10 +54,10 @@ fn spread(values: &[f32], certain: &[f32], guide: &View) -> Vec<f32> {
         (of(0) + of(1) + of(2)) / (3.0 * 255.0)
     };
     let reach = FLOW_SHARE * size[0].max(size[1]) as f32;
-    EdgeAware::new(size, reach, difference).smooth(&mut flow);
+    EdgeAware::new(size, reach, difference).smooth(&mut flow, job.cancel)?;
     let mut map: Vec<f32> = flow.iter().map(|[d, c]| d / c).collect();
-    sharpen(&mut map, size);
-    map
+    sharpen(&mut map, size, job.cancel)?;
+    Ok(map)
 }
 
 /// Certainty of each pixel of a map, 0 … 1: low where it changes quickly, compared with the map as a whole, so that
@@ -108,13 +112,16 @@ impl EdgeAware {
     }
 
     /// Smooths values, `[y, x]`.
-    pub(super) fn smooth<const N: usize>(&self, values: &mut [[f32; N]]) {
+    pub(super) fn smooth<const N: usize>(&self, values: &mut [[f32; N]], cancel: &Cancel) -> Result<(), Cancelled> {
         for pass in 0..PASSES {
+            cancel.check()?;
             // Each pass has half the σ of the one before: its weights are their squares.
             let finer = |weight: f32| (0..pass).fold(weight, |weight, _| weight * weight);
             flow_across(values, &self.across, self.width, finer);
+            cancel.check()?;
             flow_down(values, &self.down, self.width, finer);
         }
+        Ok(())
     }
 }
 
@@ -157,8 +164,9 @@ fn flow_down<const N: usize>(values: &mut [[f32; N]], weights: &[f32], width: us
 }
 
 /// Turns steep ramps into steps: each steep pixel takes the extreme of its neighbourhood that is nearer to its value.
-fn sharpen(map: &mut [f32], [w, h]: [usize; 2]) {
+fn sharpen(map: &mut [f32], [w, h]: [usize; 2], cancel: &Cancel) -> Result<(), Cancelled> {
     for _ in 0..SHARPEN_ROUNDS {
+        cancel.check()?;
         let before = map.to_vec();
         map.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
             let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)].map(|y| &before[y * w..(y + 1) * w]);
@@ -172,11 +180,16 @@ fn sharpen(map: &mut [f32], [w, h]: [usize; 2]) {
             }
         });
     }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn guided(map: &DisparityMap, guide: &View) -> DisparityMap {
+        to_guide(map, guide, &Job { cancel: &Cancel::default(), sink: &() }).unwrap()
+    }
 
     /// A bright disc before a dark ground, 120×90, and its ray depth blurred to 40×30.
     fn disc() -> (View, DisparityMap, Vec<bool>) {
@@ -192,7 +205,7 @@ mod tests {
     #[test]
     fn a_soft_edge_moves_to_the_photos_edge_and_becomes_a_step() {
         let (guide, map, mask) = disc();
-        let out = to_guide(&map, &guide);
+        let out = guided(&map, &guide);
         let [lo, hi] = out.range_px();
         let wrong = out.disparity_px.iter().zip(&mask).filter(|(d, m)| (**d > (lo + hi) / 2.0) != **m).count();
         assert!(wrong <= 30, "{wrong} of 10,800 pixels are on the wrong side");
@@ -205,7 +218,7 @@ mod tests {
         let guide = View::new([120, 90], vec![128; 120 * 90 * 4]).unwrap();
         let slant = |i: usize| (i % 40) as f32 * 0.02;
         let map = DisparityMap::new([40, 30], (0..1200).map(slant).collect()).unwrap();
-        let out = to_guide(&map, &guide);
+        let out = guided(&map, &guide);
         for x in 20..100 {
             let want = ((x as f32 + 0.5) / 3.0 - 0.5) * 0.06;
             assert!((out.at(x, 45) - want).abs() < 0.05, "x {x}: {} where {want} was", out.at(x, 45));
@@ -216,7 +229,7 @@ mod tests {
     fn a_constant_is_scaled_by_the_ratio_of_widths_and_nothing_else() {
         let (guide, ..) = disc();
         for size in [[40, 30], [120, 90], [240, 180], [1, 1]] {
-            let out = to_guide(&DisparityMap::constant(size, 0.6), &guide);
+            let out = guided(&DisparityMap::constant(size, 0.6), &guide);
             let want = 0.6 * 120.0 / size[0] as f32;
             assert!(out.disparity_px.iter().all(|d| (d - want).abs() < 1e-3 * want), "{size:?}");
         }

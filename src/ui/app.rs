@@ -303,7 +303,14 @@ impl App {
 }
 
 impl eframe::App for App {
-    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        if let Some(secs) = frame.info().cpu_usage {
+            log::trace!(
+                "frame: {:.1} ms, {:.1} ms after the one before",
+                secs * 1e3,
+                ctx.input(|i| i.unstable_dt) * 1e3
+            );
+        }
         self.drain(ctx);
         let frame = Duration::from_secs_f32(ctx.input(|input| input.unstable_dt).clamp(0.0, 0.25));
         if self.stage.as_mut().is_some_and(|stage| stage.upload_some(frame)) {
@@ -346,7 +353,8 @@ impl eframe::App for App {
         self.keep_at_exit();
     }
 
-    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        theme::DARK.surround.to_normalized_gamma_f32()
+    /// The surround: nothing else is painted where it shows.
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        theme::of(visuals).surround.to_normalized_gamma_f32()
     }
 }

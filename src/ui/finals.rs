@@ -54,6 +54,17 @@ impl Key {
         Self { lens: edit.lens, viewpoint: edit.viewpoint, size, region: part, generation }
     }
 
+    /// The same, all of it, at another size.
+    #[must_use]
+    pub fn whole_at(self, size: [u32; 2]) -> Self {
+        Self { size, region: Region { at: [0, 0], size }, ..self }
+    }
+
+    /// Whether it shows all of the picture at this size.
+    pub fn is_whole_at(&self, size: [u32; 2]) -> bool {
+        *self == self.whole_at(size)
+    }
+
     /// Where the region lies within a picture that is drawn at `rect`.
     pub fn on_screen(&self, rect: Rect) -> Rect {
         let scale = rect.size() / Vec2::new(self.size[0] as f32, self.size[1] as f32);

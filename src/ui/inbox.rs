@@ -89,7 +89,10 @@ impl App {
                 self.loading = None;
             }
             Event::Stopped => self.loading = None,
-            Event::Opened(document) => self.opened(*document, ctx),
+            Event::Opened(document, preview) => {
+                self.opened(*document, ctx);
+                self.photo = preview.map(Tiled::new);
+            }
             Event::Tiles(tiles) => self.photo = Some(Tiled::new(tiles)),
             // Made again with other settings: the old light field stays usable until the new one is complete.
             Event::Depths(..) | Event::View(..) if self.is_again => {}

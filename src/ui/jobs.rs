@@ -79,6 +79,7 @@ pub fn loader(threads: usize, ahead: Ahead, remembers: bool) -> impl Work<Load> 
                 outbox.send(job, Event::Stopped);
             }
             Ok(made) => {
+                log::debug!("{}: a light field in {:.3} s", made.of.name, made.took_secs);
                 let document = made.of.clone();
                 outbox.send(job, Event::Made(Box::new(made)));
                 outbox.send(job, Event::Models(load.models.relative_depth_models()));
@@ -109,6 +110,7 @@ pub fn read(path: &Path, job: &Job) -> Result<Document, String> {
 
 /// Reads a file and tells the window at once, with the picture ready for the screen.
 fn open(from: &From, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -> Result<Document, String> {
+    let started = Instant::now();
     let mut tiles = None;
     let document = match from {
         From::Again(document) => return Ok((**document).clone()),
@@ -130,10 +132,12 @@ fn open(from: &From, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -
             Document { reference: Some(Arc::new(sample.disparity)), ..of_photo(sample.photo, "Sample") }
         }
     };
-    outbox.send(job_id, Event::Opened(Box::new(document.clone())));
-    if let Some(photo) = &document.photo {
-        let tiles = tiles.unwrap_or_else(|| Arc::new(TileSet::new(photo.size(), photo.srgb8())));
-        outbox.send(job_id, Event::Tiles(tiles));
+    let photo = document.photo.as_ref().filter(|_| tiles.is_none());
+    let preview = photo.and_then(|photo| TileSet::preview(photo.size(), photo.srgb8()).map(Arc::new));
+    outbox.send(job_id, Event::Opened(Box::new(document.clone()), tiles.or(preview)));
+    log::debug!("{}: on its way to the screen after {:.3} s", document.name, secs_since(started));
+    if let Some(photo) = photo {
+        outbox.send(job_id, Event::Tiles(Arc::new(TileSet::new(photo.size(), photo.srgb8()))));
     }
     Ok(document)
 }

@@ -136,8 +136,8 @@ fn without_nets(
     job: &Job,
 ) -> Result<Made, String> {
     let params = SynthParams { long_side, ..SynthParams::default() };
-    let reference = reference_view(photo, long_side).map_err(|error| sentence(&error))?;
-    let map = upsample::to_guide(map, &reference);
+    let reference = reference_view(photo, long_side, job).map_err(|error| sentence(&error))?;
+    let map = upsample::to_guide(map, &reference, job).map_err(|error| sentence(&error))?;
     let made = synthesize_from_map(photo, &map, &params, job).map_err(|error| sentence(&error))?;
     Ok(Made {
         field: made.field,

@@ -69,6 +69,8 @@ pub struct WindowError(String);
 pub fn run(options: Options) -> Result<(), WindowError> {
     let mut native = eframe::NativeOptions {
         renderer: eframe::Renderer::Wgpu,
+        // It would put noise on the photo.
+        dithering: false,
         viewport: egui::ViewportBuilder::default()
             .with_app_id("plenoscope")
             .with_title("Plenoscope")

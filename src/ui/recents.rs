@@ -9,7 +9,7 @@ use super::document::Document;
 use super::worker::{Event, JobId, Outbox};
 use crate::field::View;
 use crate::io::save::{self, PictureOptions, Pixels, Samples};
-use crate::job::Cancel;
+use crate::job::{Cancel, Job};
 use crate::synth::reference_view;
 
 /// Long side of a small picture, in pixels: enough for a screen of two pixels a point.
@@ -28,7 +28,7 @@ fn place(folder: &Path, file: &Path) -> PathBuf {
 pub fn keep(document: &Document) {
     let (Some(folder), Some(path)) = (folder(), &document.path) else { return };
     let view = match (&document.photo, &document.field) {
-        (Some(photo), _) => reference_view(photo, LONG_SIDE).ok(),
+        (Some(photo), _) => reference_view(photo, LONG_SIDE, &Job { cancel: &Cancel::default(), sink: &() }).ok(),
         (None, Some(field)) => Some(field.reference().as_ref().clone()),
         (None, None) => None,
     };

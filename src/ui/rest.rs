@@ -1,4 +1,7 @@
-//! What is drawn over the draft once the hand rests: the lens renderer's picture, and the edges that are in focus.
+//! What is drawn over the draft: the lens renderer's picture once the hand rests, and the edges that are in focus.
+//!
+//! A lens wider than the light field has no draft of views: there the lens renderer follows the hand itself, at the size
+//! of a view, one picture after the other as fast as they come.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,6 +15,7 @@ use super::peaking::{self, Peaks};
 use super::progress::now;
 use super::state::Face;
 use super::tiles::{TileSet, Tiled};
+use crate::field::{FNumber, Lens};
 
 /// Rest before the picture at rest is asked for.
 const REST_SECS: f64 = 0.2;
@@ -43,12 +47,24 @@ impl AtRest {
         self.peaks = Some((peaks.key, texture));
     }
 
-    /// The picture, where it shows what is asked for at any size.
+    /// The picture, where it shows what is asked for at any size; of a wide lens the last one, while the next is drawn.
     pub fn picture(&mut self, key: finals::Key) -> Option<(&finals::Key, &mut Tiled)> {
         let (have, tiled) = self.picture.as_mut()?;
-        let is_same = (have.lens, have.viewpoint, have.generation) == (key.lens, key.viewpoint, key.generation);
-        is_same.then_some((&*have, tiled))
+        let is_same = (have.lens, have.viewpoint) == (key.lens, key.viewpoint);
+        let follows = is_wide(&have.lens) && is_wide(&key.lens);
+        (have.generation == key.generation && (is_same || follows)).then_some((&*have, tiled))
     }
+
+    /// Whether this is being drawn.
+    fn is_drawing(&self, is_it: impl Fn(&finals::Key) -> bool) -> bool {
+        let done = self.picture.as_ref().map(|(have, _)| *have);
+        self.asked_for.is_some_and(|key| is_it(&key) && done != Some(key))
+    }
+}
+
+/// Whether a lens is wider than the light field, so that a sum of views cannot show it.
+fn is_wide(lens: &Lens) -> bool {
+    lens.f_number.0 < FNumber::PAPER_WIDEST.0
 }
 
 impl App {
@@ -63,14 +79,19 @@ impl App {
         if is_there || self.rest.asked_for == Some(key) {
             return;
         }
-        let waited = now() - self.moved_at_secs;
-        if self.is_moving || waited < REST_SECS {
-            ctx.request_repaint_after(Duration::from_secs_f64(REST_SECS));
-            return;
-        }
         let Document { photo: Some(photo), field: Some(field), depths: Some(depths), .. } = &self.document else {
             return;
         };
+        let mut key = key;
+        if self.is_moving || now() - self.moved_at_secs < REST_SECS {
+            ctx.request_repaint_after(Duration::from_secs_f64(REST_SECS));
+            key = key.whole_at(field.size());
+            // The hand does not stop a draft: else it would never see one.
+            let is_busy = self.rest.is_drawing(|asked| asked.is_whole_at(field.size()));
+            if !is_wide(&key.lens) || is_busy || self.rest.asked_for == Some(key) {
+                return;
+            }
+        }
         let (photo, field, depths) = (Arc::clone(photo), Arc::clone(field), Arc::clone(depths));
         self.workers.finisher.replace(finals::Request { key, photo, field, depths });
         self.rest.asked_for = Some(key);

@@ -114,6 +114,11 @@ pub fn palette(ctx: &egui::Context) -> &'static Palette {
     }
 }
 
+/// The colours that go with egui's.
+pub fn of(visuals: &egui::Visuals) -> &'static Palette {
+    if visuals.dark_mode { &DARK } else { &LIGHT }
+}
+
 /// 13 px text.
 pub fn text() -> FontId {
     FontId::new(TEXT_POINTS, FontFamily::Proportional)

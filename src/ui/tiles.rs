@@ -40,13 +40,22 @@ struct Tile {
 }
 
 impl TileSet {
-    /// Cuts an sRGB picture (`[y, x, 4]`) into tiles, with all its smaller levels. For a worker thread.
+    /// About as large as the screen, at once: what is shown until all tiles are there. None where that is the picture.
+    pub fn preview(size: [u32; 2], rgba: &[u8]) -> Option<Self> {
+        let by = size[0].max(size[1]) / SMALLEST;
+        (by > 1).then(|| {
+            let (size, rgba) = shrunk(size, rgba, by);
+            Self { levels: vec![cut(size, &rgba)] }
+        })
+    }
+
+    /// Cuts an opaque sRGB picture (`[y, x, 4]`) into tiles, with all its smaller levels. For a worker thread.
     pub fn new(size: [u32; 2], rgba: &[u8]) -> Self {
         let mut levels = vec![cut(size, rgba)];
         let mut current = (size, Vec::new());
         while current.0[0].max(current.0[1]) > SMALLEST {
             let source = if current.1.is_empty() { rgba } else { &current.1 };
-            current = half(current.0, source);
+            current = shrunk(current.0, source, 2);
             levels.push(cut(current.0, &current.1));
         }
         Self { levels }
@@ -58,20 +67,34 @@ impl TileSet {
     }
 }
 
-/// Half the size by the mean of 2×2 pixels. In sRGB: for the screen alone, where the picture is halved once or twice.
-fn half(size: [u32; 2], rgba: &[u8]) -> ([u32; 2], Vec<u8>) {
-    let small = size.map(|side| side.div_ceil(2));
+/// A size divided by a whole number, by the mean of that many pixels squared. In sRGB: for the screen alone, where the
+/// picture is halved once or twice.
+fn shrunk(size: [u32; 2], rgba: &[u8], by: u32) -> ([u32; 2], Vec<u8>) {
+    let small = size.map(|side| side.div_ceil(by));
+    let (row_bytes, block_bytes) = (size[0] as usize * 4, by as usize * 4);
     let mut out = vec![0; small[0] as usize * small[1] as usize * 4];
-    out.par_chunks_mut(small[0] as usize * 4).enumerate().for_each(|(y, row)| {
-        let line = |dy: usize| (y * 2 + dy).min(size[1] as usize - 1) * size[0] as usize;
-        for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-            let column = |dx: usize| (x * 2 + dx).min(size[0] as usize - 1);
-            for (c, value) in pixel.iter_mut().enumerate() {
-                let at = |dx, dy| u16::from(rgba[(line(dy) + column(dx)) * 4 + c]);
-                *value = ((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4) as u8;
+    let blocks = rgba.par_chunks(row_bytes * by as usize);
+    out.par_chunks_exact_mut(small[0] as usize * 4).zip(blocks).for_each_init(
+        || vec![[0u32; 4]; small[0] as usize],
+        |sums, (out, rows)| {
+            sums.fill([0; 4]);
+            for row in rows.chunks_exact(row_bytes) {
+                for (sum, block) in sums.iter_mut().zip(row.chunks(block_bytes)) {
+                    block
+                        .as_chunks::<4>()
+                        .0
+                        .iter()
+                        .for_each(|pixel| (0..4).for_each(|c| sum[c] += u32::from(pixel[c])));
+                }
             }
-        }
-    });
+            let height = rows.len() / row_bytes;
+            for (x, (pixel, sum)) in out.as_chunks_mut::<4>().0.iter_mut().zip(sums).enumerate() {
+                let width = by.min(size[0] - x as u32 * by);
+                let count = width * height as u32;
+                *pixel = sum.map(|sum| ((sum + count / 2) / count) as u8);
+            }
+        },
+    );
     (small, out)
 }
 
@@ -86,8 +109,8 @@ fn cut(size: [u32; 2], rgba: &[u8]) -> Level {
             let [x0, y0] = [place[0].saturating_sub(1), place[1].saturating_sub(1)];
             let [x1, y1] = [(place[2] + 1).min(size[0]), (place[3] + 1).min(size[1])];
             let row = |y: u32| &rgba[(y as usize * size[0] as usize + x0 as usize) * 4..][..(x1 - x0) as usize * 4];
-            let pixels = (y0..y1).flat_map(|y| row(y).chunks_exact(4));
-            let pixels = pixels.map(|p| Color32::from_rgb(p[0], p[1], p[2])).collect();
+            let mut pixels: Vec<Color32> = Vec::with_capacity(((x1 - x0) * (y1 - y0)) as usize);
+            (y0..y1).for_each(|y| pixels.extend_from_slice(bytemuck::cast_slice(row(y))));
             let image = Arc::new(ColorImage::new([(x1 - x0) as usize, (y1 - y0) as usize], pixels));
             Tile { place, rim: [place[0] - x0, place[1] - y0], image }
         })
@@ -115,25 +138,20 @@ impl Tiled {
         let best = self.set.levels.iter().rposition(fits).unwrap_or(0);
         let coarsest = self.set.levels.len() - 1;
         let mut budget = TILES_PER_FRAME;
-        self.paint_level(painter, rect, coarsest, &mut budget);
-        if best != coarsest {
-            self.paint_level(painter, rect, best, &mut budget);
+        let seen = self.set.levels[best].seen(painter, rect);
+        // What is not there yet shows the coarsest level, which is one tile.
+        if !seen.iter().all(|(index, _)| self.textures.contains_key(&(best, *index))) {
+            self.paint_tiles(painter, coarsest, &self.set.levels[coarsest].seen(painter, rect), &mut budget);
         }
+        self.paint_tiles(painter, best, &seen, &mut budget);
     }
 
-    fn paint_level(&mut self, painter: &Painter, rect: Rect, level: usize, budget: &mut usize) {
+    fn paint_tiles(&mut self, painter: &Painter, level: usize, seen: &[(usize, Rect)], budget: &mut usize) {
         let set = Arc::clone(&self.set);
-        let size = set.levels[level].size;
-        let scale = vec2(rect.width() / size[0] as f32, rect.height() / size[1] as f32);
-        let place = |x: u32, y: u32| rect.min + vec2(x as f32, y as f32) * scale;
-        for (index, tile) in set.levels[level].tiles.iter().enumerate() {
-            let [x0, y0, x1, y1] = tile.place;
-            let on_screen = Rect::from_min_max(place(x0, y0), place(x1, y1));
-            if !on_screen.intersects(painter.clip_rect()) {
-                continue;
-            }
-            if let Some(texture) = self.texture(painter, (level, index), tile, budget) {
-                painter.image(texture.id(), on_screen, tile.uv(), theme::AS_IS);
+        for (index, on_screen) in seen {
+            let tile = &set.levels[level].tiles[*index];
+            if let Some(texture) = self.texture(painter, (level, *index), tile, budget) {
+                painter.image(texture.id(), *on_screen, tile.uv(), theme::AS_IS);
             }
         }
     }
@@ -158,6 +176,20 @@ impl Tiled {
     }
 }
 
+impl Level {
+    /// The tiles that a painter shows, and where, when the picture lies at `rect`.
+    fn seen(&self, painter: &Painter, rect: Rect) -> Vec<(usize, Rect)> {
+        let scale = rect.size() / vec2(self.size[0] as f32, self.size[1] as f32);
+        let place = |x: u32, y: u32| rect.min + vec2(x as f32, y as f32) * scale;
+        let on_screen = |tile: &Tile| {
+            let [x0, y0, x1, y1] = tile.place;
+            Rect::from_min_max(place(x0, y0), place(x1, y1))
+        };
+        let tiles = self.tiles.iter().map(on_screen).enumerate();
+        tiles.filter(|(_, at)| at.intersects(painter.clip_rect())).collect()
+    }
+}
+
 impl Tile {
     /// Texture coordinates of the tile without its rim.
     fn uv(&self) -> Rect {
@@ -172,6 +204,17 @@ impl Tile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shrunk_picture_is_the_mean_of_what_there_is() {
+        let value = |x: u32, y: u32| ((x * 10 + y * 3) % 256) as u8;
+        let rgba: Vec<u8> = (0..3).flat_map(|y| (0..5).flat_map(move |x| [value(x, y), 0, 7, 255])).collect();
+        let (size, out) = shrunk([5, 3], &rgba, 2);
+        assert_eq!(size, [3, 2]);
+        assert_eq!(out[..4], [7, 0, 7, 255], "0, 10, 3, 13 and half a step more");
+        assert_eq!(out[(3 + 2) * 4], value(4, 2), "a corner that is one pixel");
+        assert_eq!(TileSet::preview([5, 3], &rgba).map(|set| set.levels.len()), None);
+    }
 
     #[test]
     fn tiles_cover_every_level_once_and_carry_their_pixels() {

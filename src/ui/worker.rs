@@ -5,8 +5,9 @@ use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::SyncSender;
+use std::sync::mpsc::{SyncSender, TrySendError};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use super::document::{Document, Made, Survey};
 use super::tiles::TileSet;
@@ -28,8 +29,8 @@ impl JobId {
 /// What the threads tell the window. Big things come as handles that nobody copies.
 #[derive(Debug)]
 pub enum Event {
-    /// A photo or a light field has been read.
-    Opened(Box<Document>),
+    /// A photo or a light field has been read; of a photo what can be shown of it at once.
+    Opened(Box<Document>, Option<Arc<TileSet>>),
     /// The photo, ready for the screen.
     Tiles(Arc<TileSet>),
     /// A job went on a little.
@@ -64,6 +65,11 @@ pub enum Event {
     Failed(String),
 }
 
+/// Frames that only show how far a job is: each costs the job time where the processor draws.
+const PROGRESS_FRAMES: Duration = Duration::from_millis(200);
+/// Frames in which views appear one after the other.
+const VIEW_FRAMES: Duration = Duration::from_millis(60);
+
 /// The way from a thread to the window.
 #[derive(Clone)]
 pub struct Outbox {
@@ -78,10 +84,18 @@ impl Outbox {
     }
 
     /// Tells the window; waits while its letter box is full, so that a slow window slows the thread and memory stays
-    /// flat. False once the window is gone.
+    /// flat. Progress is not worth waiting for: the next letter tells it too. False once the window is gone.
     pub fn send(&self, job: JobId, event: Event) -> bool {
-        let sent = self.sender.send((job, event)).is_ok();
-        self.ctx.request_repaint();
+        let delay = match event {
+            Event::Progress(_) => PROGRESS_FRAMES,
+            Event::View(..) => VIEW_FRAMES,
+            _ => Duration::ZERO,
+        };
+        let sent = match event {
+            Event::Progress(_) => !matches!(self.sender.try_send((job, event)), Err(TrySendError::Disconnected(_))),
+            _ => self.sender.send((job, event)).is_ok(),
+        };
+        self.ctx.request_repaint_after(delay);
         sent
     }
 }

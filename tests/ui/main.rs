@@ -7,5 +7,6 @@
 
 mod common;
 mod edits;
+mod looks;
 mod queue;
 mod walk;

@@ -130,11 +130,13 @@ fn paint(app: &mut App, ui: &Ui, canvas: Rect, rect: Rect) {
 /// The light field through the lens: the picture at rest where it is there, the draft else.
 fn paint_field(app: &mut App, ui: &Ui, painter: &egui::Painter, rect: Rect, opacity: f32) {
     let key = app.key_at_rest(ui.ctx().pixels_per_point());
-    // While the hand moves the draft is drawn; the part at rest lies over it where it is what is asked for.
-    paint_draft(app, painter, rect, opacity);
-    if opacity >= 1.0
-        && let Some((have, tiled)) = key.and_then(|key| app.rest.picture(key))
-    {
+    let at_rest = key.filter(|_| opacity >= 1.0).and_then(|key| app.rest.picture(key));
+    let covers_all = at_rest.is_some_and(|(have, _)| have.is_whole_at(have.size));
+    if !covers_all {
+        paint_draft(app, painter, rect, opacity);
+    }
+    // What the lens renderer drew lies over the draft where it is what is asked for.
+    if let Some((have, tiled)) = key.filter(|_| opacity >= 1.0).and_then(|key| app.rest.picture(key)) {
         tiled.paint(painter, have.on_screen(rect));
     }
 }

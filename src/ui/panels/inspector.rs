@@ -20,7 +20,6 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
-    ui.painter().rect_filled(all, 0, theme::palette(ui.ctx()).panel);
     super::inside(ui, body, |ui| {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             Frame::new().inner_margin(Margin::symmetric(16, 14)).show(ui, |ui| {

@@ -33,7 +33,6 @@ const GAP: f32 = 6.0;
 pub fn layout(app: &mut App, ui: &mut Ui) {
     let all = ui.max_rect();
     let colors = theme::palette(ui.ctx());
-    ui.painter().rect_filled(all, 0, colors.surround);
     let is_narrow = all.width() < theme::NARROW_WIDTH;
     let is_empty = app.picture_size().is_none();
     let top = Rect::from_min_max(all.min, pos2(all.right(), all.top() + TOP_HEIGHT));
@@ -55,7 +54,7 @@ pub fn layout(app: &mut App, ui: &mut Ui) {
         inside(ui, main, |ui| empty::show(app, ui));
     }
     panel(ui, top, colors.panel, |ui| top_bar::show(app, ui, is_narrow));
-    panel(ui, status, colors.surround, |ui| status::show(app, ui));
+    inside(ui, status, |ui| status::show(app, ui));
     empty::drop_hint(app, ui, all);
 }
 

@@ -41,7 +41,7 @@ pub fn show(app: &mut App, ui: &Ui) {
         }
     }
     if app.is_busy() {
-        ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
+        ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));
     } else {
         let text = idle_text(app);
         ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak);
