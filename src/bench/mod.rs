@@ -114,16 +114,23 @@ pub enum BenchError {
     Cancelled(#[from] Cancelled),
 }
 
-/// Times all sizes. Both engines take turns, so that a noisy machine treats them alike.
+/// Times all sizes. Sizes and engines take turns, so that a noisy machine treats them alike.
 pub fn run(models: &ModelSource, options: &Options, job: &Job) -> Result<Report, BenchError> {
     let pool = pool(options.threads)?;
     let threads = pool.current_num_threads();
     let isa = if options.path == Path::Avx2 { Isa::avx2().unwrap_or_default() } else { Isa::best() };
-    let mut sizes = Vec::new();
-    for &size in &options.sizes {
-        let peak_gflops = peak::gflops(isa, threads, 20);
-        sizes.push(size_report(models, options, size, peak_gflops, job)?);
+    let runners: Result<Vec<_>, _> = options.sizes.iter().map(|&size| Runner::new(models, options, size)).collect();
+    let mut runners = runners?;
+    let mut peaks = Vec::new();
+    // The first round warms up.
+    for round in 0..=options.runs.max(1) {
+        peaks.push(peak::gflops(isa, threads, 20));
+        for runner in &mut runners {
+            runner.run(round > 0, job)?;
+        }
     }
+    let peak_gflops = median(peaks.into_iter());
+    let sizes = runners.iter().map(|runner| runner.report(peak_gflops)).collect();
     Ok(Report { machine: format!("{}, {isa}, {threads} threads", processor()), sizes })
 }
 
@@ -132,46 +139,58 @@ pub fn once(models: &ModelSource, options: &Options, size: [usize; 2], job: &Job
     Nets::new(models, options, size)?.run(job)
 }
 
-fn size_report(
-    models: &ModelSource,
-    options: &Options,
+/// Both engines at one size, and how long they took.
+struct Runner {
     size: [usize; 2],
-    peak_gflops: f64,
-    job: &Job,
-) -> Result<SizeReport, BenchError> {
-    let nets = Nets::new(models, options, size)?;
-    let mut other = Other::new(&nets, options)?;
-    nets.run(job)?;
-    other.run()?;
-    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-    for _ in 0..options.runs.max(1) {
-        ours.push(nets.run(job)?);
-        theirs.extend(other.run()?);
+    nets: Nets,
+    other: Other,
+    ours: Vec<Seconds>,
+    theirs: Vec<[f64; 2]>,
+}
+
+impl Runner {
+    fn new(models: &ModelSource, options: &Options, size: [usize; 2]) -> Result<Self, BenchError> {
+        let nets = Nets::new(models, options, size)?;
+        let other = Other::new(&nets, options)?;
+        Ok(Self { size, nets, other, ours: Vec::new(), theirs: Vec::new() })
     }
-    let of = |stage: fn(&Seconds) -> f64| median(ours.iter().map(stage));
-    let seconds = Seconds {
-        depth: of(|s| s.depth),
-        warp: of(|s| s.warp),
-        occlusion: of(|s| s.occlusion),
-        total: of(|s| s.total),
-    };
-    let onnxruntime_seconds = (!theirs.is_empty()).then(|| {
-        let (depth, occlusion) = (median(theirs.iter().map(|s| s[0])), median(theirs.iter().map(|s| s[1])));
-        OtherSeconds { depth, occlusion, total: depth + occlusion + seconds.warp }
-    });
-    let gflop = nets.flop() / 1e9;
-    Ok(SizeReport {
-        width: size[0],
-        height: size[1],
-        views: nets.views(),
-        gflop,
-        seconds,
-        onnxruntime_seconds,
-        ratio: onnxruntime_seconds.map(|other| other.total / seconds.total),
-        peak_gflops,
-        share_of_peak: gflop / seconds.total / peak_gflops,
-        peak_rss_mib: None,
-    })
+
+    fn run(&mut self, counts: bool, job: &Job) -> Result<(), BenchError> {
+        let (ours, theirs) = (self.nets.run(job)?, self.other.run()?);
+        if counts {
+            self.ours.push(ours);
+            self.theirs.extend(theirs);
+        }
+        Ok(())
+    }
+
+    fn report(&self, peak_gflops: f64) -> SizeReport {
+        let of = |stage: fn(&Seconds) -> f64| median(self.ours.iter().map(stage));
+        let seconds = Seconds {
+            depth: of(|s| s.depth),
+            warp: of(|s| s.warp),
+            occlusion: of(|s| s.occlusion),
+            total: of(|s| s.total),
+        };
+        let onnxruntime_seconds = (!self.theirs.is_empty()).then(|| {
+            let of = |stage: usize| median(self.theirs.iter().map(|seconds| seconds[stage]));
+            let (depth, occlusion) = (of(0), of(1));
+            OtherSeconds { depth, occlusion, total: depth + occlusion + seconds.warp }
+        });
+        let gflop = self.nets.flop() / 1e9;
+        SizeReport {
+            width: self.size[0],
+            height: self.size[1],
+            views: self.nets.views(),
+            gflop,
+            seconds,
+            onnxruntime_seconds,
+            ratio: onnxruntime_seconds.map(|other| other.total / seconds.total),
+            peak_gflops,
+            share_of_peak: gflop / seconds.total / peak_gflops,
+            peak_rss_mib: None,
+        }
+    }
 }
 
 /// The engine to compare with.

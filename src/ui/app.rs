@@ -312,6 +312,9 @@ impl eframe::App for App {
             );
         }
         self.drain(ctx);
+        if let Some(stage) = &mut self.stage {
+            stage.is_streaming = self.loading.is_some();
+        }
         let frame = Duration::from_secs_f32(ctx.input(|input| input.unstable_dt).clamp(0.0, 0.25));
         if self.stage.as_mut().is_some_and(|stage| stage.upload_some(frame)) {
             ctx.request_repaint();

@@ -1,7 +1,7 @@
 //! The light field on the device, and the pictures of it that the window shows.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use eframe::egui_wgpu::RenderState;
 use egui::TextureId;
@@ -27,7 +27,11 @@ pub enum Slot {
 struct Shown {
     target: Target,
     id: TextureId,
+    drawn_at: Instant,
 }
+
+/// Where the processor draws, layers that arrive are not worth a picture each.
+const STREAM_FRAMES: Duration = Duration::from_millis(500);
 
 /// All that lies on the device.
 pub struct Stage {
@@ -36,6 +40,8 @@ pub struct Stage {
     field: Option<FieldTexture>,
     shown: [Option<Shown>; 4],
     views: Vec<TextureId>,
+    /// More layers are to come.
+    pub is_streaming: bool,
     /// What draws: the adapter's name.
     pub adapter: String,
 }
@@ -47,7 +53,15 @@ impl Stage {
         let is_software = info.device_type == wgpu::DeviceType::Cpu;
         let adapter = if is_software { "the processor".to_owned() } else { info.name };
         let gpu = Gpu::new(&render.device, &render.queue, is_software);
-        Self { render: render.clone(), gpu, field: None, shown: Default::default(), views: Vec::new(), adapter }
+        Self {
+            render: render.clone(),
+            gpu,
+            field: None,
+            shown: Default::default(),
+            views: Vec::new(),
+            is_streaming: false,
+            adapter,
+        }
     }
 
     /// Whether heavy pictures are thinned while something moves.
@@ -157,10 +171,16 @@ impl Stage {
             }
             let filter = wgpu::FilterMode::Linear;
             let id = renderer.register_native_texture(&self.render.device, target.encoded_view(), filter);
-            *shown = Some(Shown { target, id });
+            *shown = Some(Shown { target, id, drawn_at: Instant::now() });
         }
         let shown = shown.as_mut()?;
-        shown.target.update(&self.gpu, field, draw);
+        let waits = self.gpu.is_software() && (self.is_streaming || field.is_waiting());
+        if waits && shown.target.has_drawn(draw) && shown.drawn_at.elapsed() < STREAM_FRAMES {
+            return Some(shown.id);
+        }
+        if shown.target.update(&self.gpu, field, draw) {
+            shown.drawn_at = Instant::now();
+        }
         Some(shown.id)
     }
 }

@@ -15,18 +15,16 @@ const REACH: f32 = 0.09;
 const SHIFTS: usize = 16;
 /// Disparities that are told apart when near and far are split.
 const BINS: usize = 64;
+/// A part that has more than this share of the weight does not stand out; and how often it is split at most.
+const MOST: f32 = 0.5;
+const SPLITS: usize = 3;
 /// Less difference than this between near and far is a flat scene, in pixels per view step.
 const FLAT_PX: f32 = 0.02;
 
 /// A place of the reference view, x and y from 0 to 1; the middle where nothing stands out.
 pub fn place(depths: &RayDepths) -> [f32; 2] {
-    let samples = samples(depths);
-    let Some(border) = near_from(&samples) else { return [0.5, 0.5] };
-    let near = || samples.iter().filter(|sample| sample.disparity_px >= border);
-    let mass: f32 = near().map(|sample| sample.weight).sum();
-    if mass <= 0.0 {
-        return [0.5, 0.5];
-    }
+    let Some(near) = standing_out(samples(depths)) else { return [0.5, 0.5] };
+    let near = || near.iter();
     let mean = |weight: &dyn Fn(&Sample) -> f32| {
         let mass: f32 = near().map(weight).sum();
         [0, 1].map(|axis| near().map(|sample| sample.place[axis] * weight(sample)).sum::<f32>() / mass.max(1e-9))
@@ -39,6 +37,21 @@ pub fn place(depths: &RayDepths) -> [f32; 2] {
     // The centre of a ring is not on it: the nearest place that is.
     let distance = |at: &[f32; 2]| squared(*at, middle);
     near().map(|sample| sample.place).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(middle)
+}
+
+/// What is nearer than the rest; split again while it is most of what there is (flowers before leaves before a ground).
+fn standing_out(mut samples: Vec<Sample>) -> Option<Vec<Sample>> {
+    let mass = |samples: &[Sample]| samples.iter().map(|sample| sample.weight).sum::<f32>();
+    let all = mass(&samples);
+    let mut border = near_from(&samples)?;
+    for _ in 0..SPLITS {
+        samples.retain(|sample| sample.disparity_px >= border);
+        border = match near_from(&samples) {
+            Some(border) if mass(&samples) > MOST * all => border,
+            _ => break,
+        };
+    }
+    (mass(&samples) > 0.0).then_some(samples)
 }
 
 fn squared(a: [f32; 2], b: [f32; 2]) -> f32 {
@@ -133,6 +146,18 @@ mod tests {
         let flowers =
             scene(|x, y| if centers.iter().any(|center| distance([x, y], *center) < 0.15) { 0.0 } else { -1.0 - y });
         let at = place(&flowers);
+        assert!(centers.iter().any(|center| distance(at, *center) < 0.1), "{at:?}");
+    }
+
+    #[test]
+    fn flowers_before_leaves_before_a_wall() {
+        let centers = [[0.3, 0.5], [0.7, 0.45]];
+        let bed = scene(|x, y| match () {
+            () if centers.iter().any(|center| distance([x, y], *center) < 0.12) => 0.0,
+            () if y > 0.35 => -0.6,
+            () => -1.8,
+        });
+        let at = place(&bed);
         assert!(centers.iter().any(|center| distance(at, *center) < 0.1), "{at:?}");
     }
 

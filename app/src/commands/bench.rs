@@ -70,7 +70,8 @@ fn describe(report: &Report) -> String {
     for size in &report.sizes {
         let s = &size.seconds;
         lines.push(format!(
-            "{}×{}×{}×{}  {:.3} s = depth {:.3} + warp {:.3} + occlusion {:.3};  {:.0} GFLOP, {:.0} % of {:.0} GFLOP/s",
+            "{}×{}×{}×{}  {:.3} s = depth {:.3} + warp {:.3} + occlusion {:.3};  \
+             {:.1} µs a pixel, {:.0} GFLOP, {:.0} % of {:.0} GFLOP/s",
             size.width,
             size.height,
             size.views[0],
@@ -79,6 +80,7 @@ fn describe(report: &Report) -> String {
             s.depth,
             s.warp,
             s.occlusion,
+            s.total * 1e6 / (size.width * size.height) as f64,
             size.gflop,
             size.share_of_peak * 100.0,
             size.peak_gflops,

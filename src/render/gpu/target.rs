@@ -97,6 +97,11 @@ impl Target {
         &self.linear
     }
 
+    /// Whether this is what was drawn last, of the layers that had arrived then.
+    pub fn has_drawn(&self, draw: Draw) -> bool {
+        self.drawn.is_some_and(|(drawn, _)| drawn == draw)
+    }
+
     /// Puts the picture into the device's queue if it is not the one that is there already; true if it was drawn.
     pub fn update(&mut self, gpu: &Gpu, field: &FieldTexture, draw: Draw) -> bool {
         let key = (draw, field.changes());

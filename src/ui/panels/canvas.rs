@@ -144,12 +144,13 @@ fn paint_field(app: &mut App, ui: &Ui, painter: &egui::Painter, rect: Rect, opac
 /// The light field through the lens, at its own size.
 fn paint_draft(app: &mut App, painter: &egui::Painter, rect: Rect, opacity: f32) {
     let edit = app.edit;
-    let is_moving = app.is_moving;
+    let (is_moving, has_photo) = (app.is_moving, app.document.photo.is_some());
     let Some(stage) = &mut app.stage else { return };
     let draw = if edit.lens.f_number.added_views() == 0.0 {
         Draw::View(edit.viewpoint)
     } else {
-        let is_draft = is_moving && stage.is_software();
+        // Of a photo the lens renderer's picture comes anyway.
+        let is_draft = stage.is_software() && (is_moving || has_photo);
         Draw::Refocus { lens: edit.lens, center: edit.viewpoint, is_draft }
     };
     if let Some(id) = stage.show(Slot::Picture, draw) {

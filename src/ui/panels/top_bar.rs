@@ -82,11 +82,12 @@ fn right(app: &mut App, ui: &mut Ui, rect: Rect, is_narrow: bool) -> f32 {
     inner.inner
 }
 
-/// What is open; what it is only where there is room for all of that.
+/// What is open; what it is where there is room for all of that, else under the pointer.
 fn name_and_facts(app: &App, ui: &mut Ui) {
     let colors = theme::palette(ui.ctx());
     ui.spacing_mut().item_spacing.x = GAP;
-    ui.add(egui::Label::new(RichText::new(&app.document.name).color(colors.strong)).truncate());
+    let name = egui::Label::new(RichText::new(&app.document.name).color(colors.strong)).truncate();
+    ui.add(name).on_hover_text(&app.document.facts);
     let facts = ui.painter().layout_no_wrap(app.document.facts.clone(), theme::text(), colors.weak);
     if facts.size().x <= ui.available_width() {
         ui.label(RichText::new(&app.document.facts).color(colors.weak));
