@@ -236,11 +236,9 @@ mod tests {
         (Outbox::new(sender, egui::Context::default()), receiver)
     }
 
-    #[test]
-    fn the_latest_request_stops_the_running_one_and_replaces_the_waiting() {
-        let (outbox, events) = outbox();
-        let (started, has_started) = sync_channel(1);
-        let worker = Worker::spawn("latest", outbox, move |job, name: &'static str, cancel: &Cancel, out: &Outbox| {
+    /// Work whose first request tells that it has begun, and ends only when it is stopped.
+    fn slow_first(started: SyncSender<()>) -> impl Work<&'static str> {
+        move |job: JobId, name: &'static str, cancel: &Cancel, out: &Outbox| {
             if name == "first" {
                 started.send(()).unwrap();
                 while !cancel.is_cancelled() {
@@ -248,7 +246,14 @@ mod tests {
                 }
             }
             out.send(job, Event::Warning(name.to_owned()));
-        });
+        }
+    }
+
+    #[test]
+    fn the_latest_request_stops_the_running_one_and_replaces_the_waiting() {
+        let (outbox, events) = outbox();
+        let (started, has_started) = sync_channel(1);
+        let worker = Worker::spawn("latest", outbox, slow_first(started));
         let first = worker.replace("first");
         has_started.recv().unwrap();
         worker.replace("second");
@@ -261,15 +266,7 @@ mod tests {
     fn one_request_is_stopped_and_the_others_go_on() {
         let (outbox, events) = outbox();
         let (started, has_started) = sync_channel(1);
-        let worker = Worker::spawn("queue", outbox, move |job, name: &'static str, cancel: &Cancel, out: &Outbox| {
-            if name == "first" {
-                started.send(()).unwrap();
-                while !cancel.is_cancelled() {
-                    std::thread::yield_now();
-                }
-            }
-            out.send(job, Event::Warning(name.to_owned()));
-        });
+        let worker = Worker::spawn("queue", outbox, slow_first(started));
         let first = worker.push("first");
         let second = worker.push("second");
         let third = worker.push("third");

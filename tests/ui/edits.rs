@@ -1,13 +1,23 @@
 //! Edits are undone, kept beside the photo, and found again.
 
+use std::path::Path;
+
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable as _;
 use plenoscope::recipe::Recipe;
 
-use crate::common::{click, has_device, is_made, sample_file, steps, wait, window};
+use crate::common::{Window, click, has_device, is_made, sample_file, steps, wait, window};
 
 /// Frames after which an edit counts as done: they are a quarter of a second each.
 const SETTLED: usize = 12;
+
+/// A window with the light field of a photo.
+fn with_photo(photo: &Path) -> Window {
+    let mut harness = window([1000.0, 700.0]);
+    harness.state_mut().open_file(photo);
+    wait(&mut harness, "the light field", is_made);
+    harness
+}
 
 #[test]
 fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
@@ -16,9 +26,7 @@ fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let photo = sample_file(folder.path(), "sample.png");
-    let mut harness = window([1000.0, 700.0]);
-    harness.state_mut().open_file(&photo);
-    wait(&mut harness, "the light field", is_made);
+    let mut harness = with_photo(&photo);
     steps(&mut harness, SETTLED);
     assert!(!Recipe::sidecar(&photo).exists(), "looking is no edit");
     let untouched = *harness.state().edit();
@@ -38,9 +46,7 @@ fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
         Recipe::of_photo(&photo).is_ok_and(|recipe| recipe.is_some_and(|recipe| recipe.focus_at == focused.focus_at))
     });
 
-    let mut harness = window([1000.0, 700.0]);
-    harness.state_mut().open_file(&photo);
-    wait(&mut harness, "the light field", is_made);
+    let harness = with_photo(&photo);
     let again = *harness.state().edit();
     assert_eq!((again.lens, again.focus_at), (focused.lens, focused.focus_at));
 }
@@ -52,9 +58,7 @@ fn an_edit_goes_through_the_clipboard_to_another_photo() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let photo = sample_file(folder.path(), "sample.png");
-    let mut harness = window([1000.0, 700.0]);
-    harness.state_mut().open_file(&photo);
-    wait(&mut harness, "the light field", is_made);
+    let mut harness = with_photo(&photo);
     let mut recipe = Recipe::default();
     recipe.lens.f_number = plenoscope::field::FNumber(7.0);
     recipe.focus_at = Some([0.5, 0.5]);

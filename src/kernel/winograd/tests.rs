@@ -4,17 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::*;
 use crate::job::Cancelled;
-use crate::kernel::{Conv, ConvShape, Isa, Kernel};
-
-/// Repeatable numbers in −1 … 1.
-fn numbers(seed: u64, n: usize) -> Vec<f32> {
-    let mut state = seed;
-    let next = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 23) as f32 - 1.0
-    };
-    std::iter::repeat_with(next).take(n).collect()
-}
+use crate::kernel::{Conv, ConvShape, Isa, Kernel, numbers};
 
 /// One layer's numbers.
 struct Numbers {

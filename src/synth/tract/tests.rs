@@ -5,6 +5,7 @@ use tract_onnx::pb::*;
 use tract_onnx::pb::{attribute_proto::AttributeType, tensor_proto::DataType};
 
 use super::*;
+use crate::kernel::numbers;
 use crate::kernel::winograd::{Columns, Rows};
 
 fn value(name: &str, shape: &[i64]) -> ValueInfoProto {
@@ -70,16 +71,6 @@ fn model(node: Vec<NodeProto>, initializer: Vec<TensorProto>, input: &[i64], out
 fn one_convolution(weights: &[f32]) -> Vec<u8> {
     let conv = node("Conv", &["x", "w"], "y", vec![ints("pads", &[1; 4])]);
     model(vec![conv], vec![floats("w", &[1, 1, 3, 3], weights)], &[1, 1, -1, -2], &[1, 1, -1, -2])
-}
-
-/// A repeatable stream of numbers in −1 … 1.
-fn numbers(seed: u64, n: usize) -> Vec<f32> {
-    let mut state = seed;
-    let next = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 23) as f32 - 1.0
-    };
-    std::iter::repeat_with(next).take(n).collect()
 }
 
 fn integers(name: &str, values: &[i64]) -> TensorProto {
