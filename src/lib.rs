@@ -25,6 +25,7 @@ pub mod field;
 pub mod io;
 pub mod job;
 pub mod kernel;
+mod panics;
 pub mod recipe;
 pub mod render;
 pub mod series;

@@ -75,6 +75,24 @@ fn heic() {
 }
 
 #[test]
+fn avif() {
+    fuzz("avif", &seeds::avif(), open);
+}
+
+/// Damage in what the codec reads, in a container that is right.
+#[test]
+fn avif_picture_data() {
+    for whole in seeds::avif() {
+        let data = whole.windows(4).position(|w| w == b"mdat").unwrap() + 4;
+        for seed in 0..120 {
+            let mut bytes = Random::new(seed).damage(&whole[data..]);
+            bytes.resize(whole.len() - data, 0);
+            let _either = harness::run("avif", || open(&[&whole[..data], &bytes].concat()));
+        }
+    }
+}
+
+#[test]
 fn lfp() {
     let whole = seeds::lfp(
         [&seeds::still(ImageFormat::Jpeg), &seeds::jpeg(&[])],

@@ -44,7 +44,7 @@ pub enum Problem {
     Empty,
     /// No known start.
     #[error(
-        "could not open the file — it is no picture and no light field — open a JPEG, PNG, WebP, TIFF, BMP, GIF or HEIC photo, or a light field"
+        "could not open the file — it is no picture and no light field — open a JPEG, PNG, WebP, TIFF, BMP, GIF, HEIC or AVIF photo, or a light field"
     )]
     Unknown,
     /// Known, but nobody here reads it.

@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
 /// Suffixes that are offered when a folder is walked; what a file is, its content says when it is opened.
-pub const PICTURE_SUFFIXES: [&str; 14] =
-    ["jpg", "jpeg", "png", "webp", "tif", "tiff", "bmp", "gif", "heic", "heif", "hif", "mpo", "ppm", "lfp"];
+pub const PICTURE_SUFFIXES: [&str; 15] =
+    ["jpg", "jpeg", "png", "webp", "tif", "tiff", "bmp", "gif", "heic", "heif", "hif", "avif", "mpo", "ppm", "lfp"];
 
 /// `a` before `b` as people count: `img2` before `img10`, upper and lower case alike.
 pub fn natural_order(a: &str, b: &str) -> Ordering {

@@ -18,6 +18,8 @@ pub(crate) struct JpegParts<'a> {
 const START_OF_IMAGE: u8 = 0xd8;
 const END_OF_IMAGE: u8 = 0xd9;
 const APP1: u8 = 0xe1;
+const PROGRESSIVE_FRAME: u8 = 0xc2;
+const START_OF_SCAN: u8 = 0xda;
 const EXIF: &[u8] = b"Exif\0\0";
 const XMP: &[u8] = b"http://ns.adobe.com/xap/1.0/\0";
 const EXTENDED_XMP: &[u8] = b"http://ns.adobe.com/xmp/extension/\0";
@@ -59,9 +61,40 @@ fn next_marker(jpeg: &[u8], at: &mut usize) -> Option<u8> {
     }
 }
 
+/// The components of a scan, and the coefficients (one bit each) whose last bit it brings.
+fn last_bits(scan: &Segment) -> Option<(Vec<u8>, u64)> {
+    let count = usize::from(*scan.data.first()?);
+    let components = scan.data.get(1..1 + 2 * count)?.chunks_exact(2).map(|component| component[0]).collect();
+    let &[first, last, bits] = scan.data.get(1 + 2 * count..)?.first_chunk()?;
+    let brings = |at: u8| if first <= at && at <= last && bits & 15 == 0 { 1 << at } else { 0 };
+    Some((components, (0..64).map(brings).fold(0, |all, one: u64| all | one)))
+}
+
 impl<'a> JpegParts<'a> {
     fn with_head(&self, marker: u8, head: &'static [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a, '_> {
         self.segments.iter().filter(move |s| s.marker == marker).filter_map(move |s| s.data.strip_prefix(head))
+    }
+
+    /// Whether the picture comes in passes, each of which makes the last one finer.
+    pub(crate) fn is_progressive(&self) -> bool {
+        self.segments.iter().any(|segment| segment.marker == PROGRESSIVE_FRAME)
+    }
+
+    /// Whether the passes of a progressive picture are all there: for each component the last bit of its means and of all
+    /// its other coefficients (ITU-T T.81, G.1.1).
+    pub(crate) fn has_all_passes(&self) -> bool {
+        let Some(frame) = self.segments.iter().find(|segment| segment.marker == PROGRESSIVE_FRAME) else {
+            return false;
+        };
+        let components = frame.data.get(6..).unwrap_or_default().chunks_exact(3).map(|component| component[0]);
+        let scans = self.segments.iter().filter(|segment| segment.marker == START_OF_SCAN).filter_map(last_bits);
+        let mut done: Vec<(u8, u64)> = components.map(|component| (component, 0)).collect();
+        for (of, coefficients) in scans {
+            for (component, done) in &mut done {
+                *done |= if of.contains(component) { coefficients } else { 0 };
+            }
+        }
+        !done.is_empty() && done.iter().all(|(_, done)| *done == u64::MAX)
     }
 
     /// The EXIF block, a TIFF structure.

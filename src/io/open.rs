@@ -100,13 +100,6 @@ fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, 
                 advice: "open its photo, and give this file as the photo's disparity",
             });
         }
-        Sniffed::Avif => {
-            return Err(Problem::Unsupported {
-                format: "AVIF",
-                reason: "its codec AV1 is not read here".to_owned(),
-                advice: "save it as JPEG, PNG or HEIC",
-            });
-        }
         Sniffed::Lfp => lytro::open(bytes)?,
         Sniffed::Heif => phone::heic::open(bytes)?,
         Sniffed::Jpeg => phone::jpeg::open(bytes)?,

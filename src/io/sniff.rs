@@ -49,15 +49,21 @@ pub(crate) fn sniff(bytes: &[u8]) -> Option<Sniffed> {
         [b'G', b'I', b'F', b'8', ..] => Some(Sniffed::Gif),
         [b'P', b'f' | b'F', b'\n' | b'\r' | b' ', ..] => Some(Sniffed::Pfm),
         [b'P', b'1'..=b'7', b'\n' | b'\r' | b' ', ..] => Some(Sniffed::Pnm),
-        [_, _, _, _, b'f', b't', b'y', b'p', brand @ ..] => sniff_brand(brand),
+        [a, b, c, d, b'f', b't', b'y', b'p', brands @ ..] => {
+            let length = u32::from_be_bytes([*a, *b, *c, *d]) as usize;
+            sniff_brands(&brands[..brands.len().min(length.saturating_sub(8))])
+        }
         _ if bytes.starts_with(&LFP_MAGIC[..4]) => Some(Sniffed::Lfp),
         _ => None,
     }
 }
 
-fn sniff_brand(brand: &[u8]) -> Option<Sniffed> {
-    match brand.get(..4)? {
+/// The main brand, a version, then all brands; the main one may say only that it is some picture.
+fn sniff_brands(brands: &[u8]) -> Option<Sniffed> {
+    let (main, others) = (brands.first_chunk()?, brands.get(8..).unwrap_or_default());
+    match main {
         b"avif" | b"avis" => Some(Sniffed::Avif),
+        b"mif1" | b"mif2" | b"miaf" | b"msf1" if others.as_chunks().0.contains(b"avif") => Some(Sniffed::Avif),
         b"heic" | b"heix" | b"heim" | b"heis" | b"hevc" | b"hevx" | b"mif1" | b"mif2" | b"msf1" => Some(Sniffed::Heif),
         _ => None,
     }

@@ -196,6 +196,48 @@ fn files_cut_off_at_twenty_places_are_refused() {
     }
 }
 
+/// A picture large enough for many rows of blocks; progressive or not, with restart markers or not.
+fn long_jpeg(progressive: bool, restart: u16, color: JpegColor) -> Vec<u8> {
+    let noisy = RgbImage::from_fn(160, 128, |x, y| Rgb([(x * y) as u8, (x * 31 + y * 17) as u8, (x ^ y) as u8]));
+    let mut bytes = Vec::new();
+    let mut encoder = JpegEncoder::new(&mut bytes, 80);
+    encoder.set_progressive(progressive);
+    if restart > 0 {
+        encoder.set_restart_interval(restart);
+    }
+    let gray = DynamicImage::ImageRgb8(noisy.clone()).into_luma8();
+    let pixels = if color == JpegColor::Luma { gray.as_raw() } else { noisy.as_raw() };
+    encoder.encode(pixels, 160, 128, color).unwrap();
+    bytes
+}
+
+#[test]
+fn a_jpeg_whose_data_end_early_opens_with_a_warning_and_a_whole_one_without() {
+    for color in [JpegColor::Rgb, JpegColor::Luma] {
+        for (progressive, restart) in [(false, 0), (false, 3), (true, 0)] {
+            let what = format!("{color:?}, progressive {progressive}, restart {restart}");
+            let whole = long_jpeg(progressive, restart, color);
+            let start = whole.windows(2).position(|w| w == [0xff, 0xda]).unwrap() + 16;
+            assert!(photo(&whole).warnings.is_empty(), "{what}: {:?}", photo(&whole).warnings);
+            for share in [1, 3, 6] {
+                // Cut, and then an end marker: a file that a camera could not finish.
+                let mut short = whole[..start + (whole.len() - start) * share / 8].to_vec();
+                if short.last() == Some(&0xff) {
+                    short.pop();
+                }
+                short.extend([0xff, 0xd9]);
+                let file = photo(&short);
+                assert!(file.warnings.len() == 1 && file.warnings[0].contains("early"), "{what}: {:?}", file.warnings);
+            }
+        }
+    }
+    // A header that says more rows than there are.
+    let mut taller = long_jpeg(false, 0, JpegColor::Rgb);
+    let frame = taller.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+    taller[frame + 5] = 1;
+    assert_eq!((photo(&taller).info.size, photo(&taller).warnings.len()), ([160, 384], 1));
+}
+
 #[test]
 fn headers_that_lie_about_their_size_are_refused_at_once() {
     // A PNG whose header says 30,000 × 30,000, with the right checksum, and whose data begin.

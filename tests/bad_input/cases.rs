@@ -37,6 +37,8 @@ fn twenty_cuts_of_every_file() {
         ("dynamic depth", seeds::dynamic_depth()),
         ("apple", seeds::apple()),
         ("heic", seeds::heic()),
+        ("avif", seeds::avif()[0].clone()),
+        ("avif grid", seeds::avif()[3].clone()),
         ("pfm", seeds::pfm()),
         ("lfp", seeds::lfp([&seeds::jpeg(&[]), &seeds::jpeg(&[])], &seeds::lfp_table(), r#""width":2,"height":2"#)),
     ];
@@ -68,6 +70,7 @@ fn headers_that_claim_millions_of_pixels() {
         ("PNM", [b"P6\n16000 16000\n255\n".to_vec(), vec![0; 900]].concat()),
         ("GIF", patched(seeds::still(ImageFormat::Gif), b"GIF89a", 0, &[le[0], le[1], le[0], le[1]])),
         ("WebP", solid_webp(side)),
+        ("AVIF", patched(seeds::avif()[0].clone(), b"ispe", 4, &[be, be].concat())),
     ];
     // Its strips do not have the lengths that the size asks for.
     let tiff = patched(seeds::still(ImageFormat::Tiff), &[0, 1, 4, 0, 1, 0, 0, 0], 0, &le);

@@ -99,6 +99,18 @@ pub fn heic() -> Vec<u8> {
     bytes
 }
 
+/// AVIF pictures that another program has encoded: a still, one with opacity, one of 10 bits, a grid, one with all extras.
+pub fn avif() -> [Vec<u8>; 5] {
+    [
+        &include_bytes!("../avif/limited_420.avif")[..],
+        &include_bytes!("../avif/opacity_premultiplied.avif")[..],
+        &include_bytes!("../avif/bt2020_10bit_422.avif")[..],
+        &include_bytes!("../avif/grid.avif")[..],
+        &include_bytes!("../avif/tagged.avif")[..],
+    ]
+    .map(<[u8]>::to_vec)
+}
+
 /// A section of Lytro's container, with its name.
 pub fn lfp_section(kind: u8, body: &[u8]) -> (String, Vec<u8>) {
     let name = format!("sha1-{}", sha1_smol::Sha1::from(body).digest());

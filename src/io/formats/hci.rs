@@ -1,5 +1,10 @@
 //! The 4-D light field benchmark's folder (Honauer et al., Heidelberg and Konstanz): `input_Cam%03d.png` row by row,
 //! `gt_disp_lowres*.pfm`, `parameters.cfg`. Its disparity has our sign.
+//!
+//! Its scenes have 9×9 views and the middle one, 040, for their centre, as here. The benchmark's own tools (its
+//! `evaluation-toolkit`) take half the number of views for the centre's number, which in grids of even sides is another
+//! view than ours: of 8×8 it is 032, the first of the middle row, and ours is 036. `gt_disp_lowres.pfm` and
+//! `gt_depth_lowres.pfm` belong to the view that the tools show beside them. Their reader fits square grids only.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -54,14 +59,25 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
     let name = |at: ViewIndex| folder.join(format!("gt_disp_lowres_Cam{:03}.pfm", grid.layer_from_view(at)));
     let depths = views::read_depths(&field, name, job, &mut warnings)?;
     let truth = folder.join("gt_disp_lowres.pfm");
-    let reference_disparity = if truth.is_file() {
+    let reference_disparity = if !truth.is_file() {
+        None
+    } else if center(grid) == grid.reference() {
         let map = pfm::read_sized(&truth, field.size());
         map.map_err(|problem| warnings.push(format!("the disparity is left out — {problem}: {}", truth.display()))).ok()
     } else {
+        if depths.is_none() {
+            let at = center(grid);
+            warnings.push(format!("the disparity is left out — it is that of view (v {}, u {})", at.v, at.u));
+        }
         None
     };
     info.warnings.clone_from(&warnings);
     Ok(Some(LightFieldFile { reference_disparity, ..LightFieldFile::new(Arc::new(field), depths, info) }))
+}
+
+/// The view that the benchmark's tools take for the centre.
+fn center(grid: ViewGrid) -> ViewIndex {
+    grid.view_from_layer(grid.count() / 2)
 }
 
 /// A camera that has the disparities of a light field: the benchmark's formulas need metres.
@@ -92,8 +108,8 @@ impl Camera {
     }
 }
 
-/// Writes a benchmark folder: all views, the ray depths of all views, the reference view's disparity and depth, and
-/// a `parameters.cfg` with a camera that has these disparities.
+/// Writes a benchmark folder: all views, the ray depths of all views, disparity and depth of the view that the benchmark
+/// takes for the centre, and a `parameters.cfg` with a camera that has these disparities.
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
@@ -114,11 +130,12 @@ pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
                 let name = format!("gt_disp_lowres_Cam{:03}.pfm", grid.layer_from_view(at));
                 out::map_pfm(&folder.join(name), depths.size(), depths.view(at))?;
             }
-            out::map_pfm(&folder.join("gt_disp_lowres.pfm"), depths.size(), depths.reference())?;
-            let metres: Vec<f32> = depths.reference().iter().map(|&d| camera.depth_m(d)).collect();
+            let truth = depths.view(center(grid));
+            out::map_pfm(&folder.join("gt_disp_lowres.pfm"), depths.size(), truth)?;
+            let metres: Vec<f32> = truth.iter().map(|&d| camera.depth_m(d)).collect();
             out::map_pfm(&folder.join("gt_depth_lowres.pfm"), depths.size(), &metres)?;
         }
-        let scene = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let scene = scene_name(path);
         out::file(&folder.join(CONFIG), |file| file.write_all(config(&camera, source, range, &scene).as_bytes()))
     })
 }
@@ -147,6 +164,12 @@ fn config(camera: &Camera, source: &Source, range: [f32; 2], scene: &str) -> Str
     )
 }
 
+/// The folder's name without what the tools' parser takes for more than text.
+fn scene_name(path: &Path) -> String {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    name.chars().map(|c| if c.is_alphanumeric() || " -_.".contains(c) { c } else { '_' }).collect()
+}
+
 /// Today's date, UTC, from the days since 1970 (H. Hinnant, "chrono-compatible low-level date algorithms").
 fn today() -> String {
     let days = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() / 86_400) + 719_468;
@@ -173,5 +196,13 @@ mod tests {
             let back = (beta * focus_mm / depth_mm - beta) / (focus_mm * camera.sensor_mm);
             assert!(depth_mm > 0.0 && (back - d).abs() < 1e-3, "{d} → {depth_mm} mm → {back}");
         }
+    }
+
+    #[test]
+    fn the_centre_is_the_benchmarks() {
+        let center = |rows, cols| center(ViewGrid::new(rows, cols).unwrap());
+        assert_eq!(center(9, 9), ViewIndex { v: 4, u: 4 });
+        assert_eq!(center(8, 8), ViewIndex { v: 4, u: 0 });
+        assert_eq!(scene_name(Path::new("/a/100%\n= rose")), "100___ rose");
     }
 }

@@ -61,7 +61,7 @@ pub struct Entry {
 /// Who reads and writes what. The README's table has the same lines; a test compares them.
 pub const TABLE: [Entry; 19] = [
     both("refocus", "photo: JPEG, PNG, TIFF, WebP", "raster", Keeps::Made, Some("jpg")),
-    read_only("photo: HEIC, BMP, PNM, GIF (first frame)", "raster"),
+    read_only("photo: HEIC, AVIF, BMP, PNM, GIF (first frame)", "raster"),
     both(
         "views",
         "folder of views (`view_V_U.png`, `disparity_V_U.pfm`, `lightfield.json`)",

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use super::layout::tests::scene;
 use super::*;
-use crate::field::{DisparityMap, LightField, RayDepths, ViewPoint};
+use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewPoint};
 use crate::io::save::{self, PictureOptions};
 use crate::io::{Opened, open};
 use crate::job::Cancel;
@@ -159,6 +159,34 @@ fn other_grids_come_back_from_every_folder_format() {
             let file = light_field(&path);
             assert!(*file.field == field, "{rows}×{cols}: {} {:?}", path.display(), file.warnings);
         }
+    }
+}
+
+/// Half the number of views is the number of another view than ours where sides are even.
+#[test]
+fn the_benchmarks_tools_find_the_truth_of_the_view_that_they_show() {
+    let job = &job();
+    let dir = tempfile::tempdir().unwrap();
+    for (side, center) in [(3, ViewIndex { v: 1, u: 1 }), (4, ViewIndex { v: 2, u: 0 })] {
+        let field = scene(side, side, [16, 12]);
+        let depths = depths(&field);
+        let path = dir.path().join(side.to_string());
+        hci::write(&path, &Source { depths: Some(&depths), ..Source::new(&field) }, job).unwrap();
+        let truth = pfm::read_pfm(&path.join("gt_disp_lowres.pfm")).unwrap();
+        assert_eq!(truth.disparity_px, depths.view(center));
+        assert!(light_field(&path).warnings.is_empty());
+        field.grid().views().for_each(|at| {
+            let number = field.grid().layer_from_view(at);
+            std::fs::remove_file(path.join(format!("gt_disp_lowres_Cam{number:03}.pfm"))).unwrap();
+        });
+        let file = light_field(&path);
+        let is_ours = center == field.grid().reference();
+        assert_eq!(
+            (file.reference_disparity.is_some(), file.warnings.is_empty()),
+            (is_ours, is_ours),
+            "{:?}",
+            file.warnings
+        );
     }
 }
 

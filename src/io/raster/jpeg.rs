@@ -10,6 +10,9 @@ use crate::io::Problem;
 use crate::io::jpeg_parts::{self, JpegParts};
 
 const FORMAT: &str = "JPEG";
+/// Zeros behind the data of a file that is tried for missing data: fewer than a row of blocks could be made of.
+const SPARE_BYTES: usize = 16;
+const NOT_WHOLE: &str = "the picture's data are damaged or end early, so a part of it is grey or blurred";
 
 /// Decodes the first picture of a JPEG file.
 pub(crate) fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
@@ -23,14 +26,15 @@ pub(crate) fn header_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
 
 type Decoder<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
 
-/// A decoder that gives one kind of pixels; it must know from the start, as it picks its routines then.
-fn decoder(bytes: &[u8], out: ColorSpace) -> Decoder<'_> {
-    let options = DecoderOptions::default().set_strict_mode(false).set_max_width(65_535).set_max_height(65_535);
+/// A decoder that gives one kind of pixels; it must know from the start, as it picks its routines then. A strict one
+/// gives up where another one guesses.
+fn decoder(bytes: &[u8], out: ColorSpace, is_strict: bool) -> Decoder<'_> {
+    let options = DecoderOptions::default().set_strict_mode(is_strict).set_max_width(65_535).set_max_height(65_535);
     JpegDecoder::new_with_options(ZCursor::new(bytes), options.jpeg_set_out_colorspace(out))
 }
 
 fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> {
-    let mut decoder = decoder(bytes, ColorSpace::RGBA);
+    let mut decoder = decoder(bytes, ColorSpace::RGBA, false);
     decoder.decode_headers().map_err(|error| Problem::damaged(FORMAT, error))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| Problem::damaged(FORMAT, "it has no size"))?;
     let space = decoder.input_colorspace().ok_or_else(|| Problem::damaged(FORMAT, "it has no colours"))?;
@@ -42,29 +46,65 @@ fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> 
 pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Problem> {
     let end = parts.end.ok_or(Problem::Truncated { format: FORMAT })?;
     let bytes = &bytes[..end];
-    let (mut decoder, size, space) = header(bytes)?;
+    let (decoder, size, space) = header(bytes)?;
     let icc = decoder.icc_profile();
-    let (pixels, icc) = match space {
-        ColorSpace::YCbCr => (rgba(&mut decoder, size)?, icc.filter(|icc| color::is_rgb(icc))),
-        ColorSpace::Luma => gray(&read(bytes, ColorSpace::Luma)?, icc),
-        ColorSpace::CMYK => cmyk(read(bytes, ColorSpace::CMYK)?, icc),
-        _ => (rgba_from_rgb(read(bytes, ColorSpace::RGB)?.as_chunks().0), icc.filter(|icc| color::is_rgb(icc))),
+    let rgb_icc = |icc: Option<Vec<u8>>| icc.filter(|icc| color::is_rgb(icc));
+    let (pixels, icc, is_whole) = match space {
+        ColorSpace::YCbCr => {
+            let (pixels, is_whole) = read::<4>(bytes, parts, size, ColorSpace::RGBA)?;
+            (pixels, rgb_icc(icc), is_whole)
+        }
+        ColorSpace::Luma => {
+            let (luma, is_whole) = read::<1>(bytes, parts, size, ColorSpace::Luma)?;
+            let (pixels, icc) = gray(luma.as_flattened(), icc);
+            (pixels, icc, is_whole)
+        }
+        ColorSpace::CMYK => {
+            let (inks, is_whole) = read::<4>(bytes, parts, size, ColorSpace::CMYK)?;
+            let (pixels, icc) = cmyk(inks.into_flattened(), icc);
+            (pixels, icc, is_whole)
+        }
+        _ => {
+            let (rgb, is_whole) = read::<3>(bytes, parts, size, ColorSpace::RGB)?;
+            (rgba_from_rgb(&rgb), rgb_icc(icc), is_whole)
+        }
     };
     let exif = parts.exif().map(<[u8]>::to_vec);
     let orientation = Raster::orientation_of(exif.as_deref());
     let xmp = parts.xmp().map(<[u8]>::to_vec);
-    Ok(Raster { size, samples: Samples::Eight(pixels), has_alpha: false, icc, exif, xmp, orientation })
+    let warnings = if is_whole { Vec::new() } else { vec![NOT_WHOLE.to_owned()] };
+    Ok(Raster { size, samples: Samples::Eight(pixels), has_alpha: false, icc, exif, xmp, orientation, warnings })
 }
 
-fn read(bytes: &[u8], space: ColorSpace) -> Result<Vec<u8>, Problem> {
-    decoder(bytes, space).decode().map_err(|error| Problem::damaged(FORMAT, error))
-}
-
-/// The usual case, decoded into place.
-fn rgba(decoder: &mut Decoder, [width, height]: [u32; 2]) -> Result<Vec<[u8; 4]>, Problem> {
-    let mut pixels = vec![[0; 4]; width as usize * height as usize];
-    decoder.decode_into(pixels.as_flattened_mut()).map_err(|error| Problem::damaged(FORMAT, error))?;
-    Ok(pixels)
+/// All pixels of `N` channels, and whether the data were there for all of them.
+fn read<const N: usize>(
+    bytes: &[u8],
+    parts: &JpegParts,
+    [width, height]: [u32; 2],
+    space: ColorSpace,
+) -> Result<(Vec<[u8; N]>, bool), Problem> {
+    let mut pixels = vec![[0; N]; width as usize * height as usize];
+    let lenient = |bytes: &[u8], pixels: &mut [u8]| {
+        decoder(bytes, space, false).decode_into(pixels).map_err(|error| Problem::damaged(FORMAT, error))
+    };
+    if parts.is_progressive() {
+        lenient(bytes, pixels.as_flattened_mut())?;
+        return Ok((pixels, parts.has_all_passes()));
+    }
+    // Behind the end marker the decoder reads zeros for as long as it likes; without it, it runs out of data. It reads a
+    // little ahead.
+    let open_ended = [&bytes[..bytes.len() - 2], &[0; SPARE_BYTES]].concat();
+    let mut strict = decoder(&open_ended, space, true);
+    if strict.decode_headers().is_err() {
+        // Oddities of the header say nothing of the data.
+        lenient(bytes, pixels.as_flattened_mut())?;
+        return Ok((pixels, true));
+    }
+    let is_whole = strict.decode_into(pixels.as_flattened_mut()).is_ok();
+    if !is_whole {
+        lenient(&open_ended, pixels.as_flattened_mut())?;
+    }
+    Ok((pixels, is_whole))
 }
 
 fn rgba_from_rgb(rgb: &[[u8; 3]]) -> Vec<[u8; 4]> {

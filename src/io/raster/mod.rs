@@ -3,7 +3,10 @@
 //! Transparency: a photo is composited onto white, as a print would show it; a light field's views keep their alpha
 //! until their reader has used it (ESLF marks missing rays with it).
 
+mod avif;
 mod color;
+pub(crate) mod hdr;
+pub(crate) mod heif;
 pub(crate) mod jpeg;
 mod orient;
 mod still;
@@ -36,6 +39,8 @@ pub(crate) struct Raster {
     pub(crate) xmp: Option<Vec<u8>>,
     /// EXIF orientation, 1 … 8.
     pub(crate) orientation: u8,
+    /// What the person should know.
+    pub(crate) warnings: Vec<String>,
 }
 
 /// RGBA pixels, row by row.
@@ -76,6 +81,7 @@ pub(crate) fn check_size_within(
 pub(crate) fn decode(bytes: &[u8], format: Sniffed) -> Result<Raster, Problem> {
     match format {
         Sniffed::Jpeg => jpeg::decode(bytes),
+        Sniffed::Avif => avif::decode(bytes),
         _ => still::decode(bytes, format),
     }
 }
@@ -100,6 +106,7 @@ pub(crate) fn decode_view(bytes: &[u8], format: Sniffed) -> Result<View, Problem
 pub(crate) fn header_size(bytes: &[u8], format: Sniffed) -> Result<[u32; 2], Problem> {
     match format {
         Sniffed::Jpeg => jpeg::header_size(bytes),
+        Sniffed::Avif => avif::header_size(bytes),
         _ => still::header_size(bytes, format),
     }
 }
@@ -107,7 +114,7 @@ pub(crate) fn header_size(bytes: &[u8], format: Sniffed) -> Result<[u32; 2], Pro
 impl Raster {
     /// The upright, opaque photo with its sRGB working copy; the copy shares memory with sRGB 8-bit pixels.
     pub(crate) fn into_photo(self) -> Result<(Photo, Vec<String>), Problem> {
-        let mut warnings = Vec::new();
+        let mut warnings = self.warnings;
         let metadata = Metadata {
             icc: self.icc.map(Arc::from),
             exif: self.exif.map(Arc::from),

@@ -69,7 +69,7 @@ pub(super) fn decode(bytes: &[u8], format: Sniffed) -> Result<Raster, Problem> {
         Samples::Sixteen(picture.into_rgba16().into_raw().as_chunks().0.to_vec())
     };
     icc = icc.filter(|icc| color::is_rgb(icc));
-    Ok(Raster { size, samples, has_alpha: color_type.has_alpha(), icc, exif, xmp, orientation })
+    Ok(Raster { size, samples, has_alpha: color_type.has_alpha(), icc, exif, xmp, orientation, warnings: Vec::new() })
 }
 
 /// Our words for the library's error.

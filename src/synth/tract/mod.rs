@@ -15,7 +15,6 @@ mod rewrite;
 mod threads;
 
 use std::ops::Deref;
-use std::panic::catch_unwind;
 use std::sync::Arc;
 
 use tract_linalg::multithread::{Executor, multithread_tract_scope};
@@ -29,6 +28,7 @@ pub(crate) use threads::{Pool, pool};
 use self::chain::{Chain, Convolutions};
 use crate::job::Cancel;
 use crate::kernel::winograd::VolumeChain;
+use crate::panics;
 
 /// A net made ready for one input shape. Cheap to clone; may be run from several threads at once.
 #[derive(Clone, Debug)]
@@ -65,8 +65,8 @@ impl Deref for Output {
 /// are not finite.
 pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
     // tract takes names that lead nowhere, and other faults of a graph, for its own and panics.
-    let broken = |_panic| Err(EngineError::Unsupported { detail: "its graph is damaged".to_owned() });
-    catch_unwind(|| prepared(onnx_bytes, input_shape, options)).unwrap_or_else(broken)
+    let broken = || Err(EngineError::Unsupported { detail: "its graph is damaged".to_owned() });
+    panics::caught(|| prepared(onnx_bytes, input_shape, options)).unwrap_or_else(broken)
 }
 
 fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {

@@ -2,21 +2,19 @@
 //!
 //! The gain map of an HDR photo is left alone: the base picture is what every screen shows.
 
-use heifer::heifer_isobmff::boxes::{ColorInfo, Property};
+use heifer::heifer_isobmff::boxes::Property;
 use heifer::heifer_isobmff::{HeifFile, ItemId};
-use moxcms::ColorProfile;
 
 use super::apple::Scale;
 use super::{UnitMap, spatial};
-use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, orient};
+use crate::io::raster::heif::{Cicp, check_parts, turn};
+use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, hdr, orient};
 use crate::io::sniff::Sniffed;
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};
 
 const FORMAT: &str = "HEIC";
 const DEPTH_URN: [&str; 2] = ["urn:mpeg:hevc:2015:auxid:2", "urn:mpeg:mpegB:cicp:systems:auxiliary:depth"];
-/// `nclx` colour primaries of Display P3 (ITU-T H.273).
-const DISPLAY_P3: u16 = 12;
 
 /// Opens a HEIC photo and the depth in it.
 pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
@@ -53,23 +51,13 @@ pub(super) fn decode_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Res
 
 /// Most pixels of one picture: 16 bits a channel fit into memory then.
 const MAX_PIXELS: u64 = MAX_DECODED_BYTES / 8;
-/// Most pictures that one picture may be put together from; a phone's has a few hundred tiles.
-const MAX_PARTS: usize = 2048;
 
-/// Refuses an item that is too large, or that is put together from parts, and they from others, without end.
+/// Refuses an item that is too large, or that is put together without end.
 fn check_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<(), Problem> {
     if let Some((width, height)) = file.image_size(id).map_err(problem)? {
         check_size(width.into(), height.into(), 8, file_bytes)?;
     }
-    let (mut parts, mut next) = (vec![id], 0);
-    while let Some(&part) = parts.get(next) {
-        parts.extend(file.referenced_items(part, b"dimg"));
-        next += 1;
-        if parts.len() > MAX_PARTS {
-            return Err(Problem::damaged(FORMAT, format!("it is put together from more than {MAX_PARTS} pictures")));
-        }
-    }
-    Ok(())
+    check_parts(file, id, FORMAT)
 }
 
 fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
@@ -87,15 +75,21 @@ fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
         ([image.width, image.height], image.has_alpha, Samples::Sixteen(pixels))
     };
     let metadata = heifer::item_metadata(file, id).unwrap_or_default();
+    let cicp = Cicp::of(file, id);
+    let (samples, was_hdr) = match cicp.filter(|_| metadata.icc_profile.is_none()) {
+        Some(cicp) => hdr::to_sdr(samples, cicp.transfer),
+        None => (samples, false),
+    };
     Ok(Raster {
         size,
         samples,
         has_alpha,
-        icc: metadata.icc_profile.or_else(|| profile_from_nclx(file, id)),
+        icc: metadata.icc_profile.or_else(|| cicp?.profile()),
         exif: metadata.exif,
         xmp: metadata.xmp,
         // The container's own turns have been applied; EXIF must not turn the picture again.
         orientation: 1,
+        warnings: if was_hdr { vec![hdr::WARNING.to_owned()] } else { Vec::new() },
     })
 }
 
@@ -103,13 +97,6 @@ fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
 fn bits(file: &HeifFile, id: ItemId) -> u8 {
     let own = |id| file.hevc_config(id).ok().flatten().map(|config| config.bit_depth_luma);
     own(id).or_else(|| own(*file.referenced_items(id, b"dimg").first()?)).unwrap_or(16)
-}
-
-/// A profile for files that say Display P3 only by number.
-fn profile_from_nclx(file: &HeifFile, id: ItemId) -> Option<Vec<u8>> {
-    let is_p3 = |p: &Property| matches!(p, Property::Color(ColorInfo::Nclx { primaries: DISPLAY_P3, .. }));
-    let found = file.item_properties(id).ok()?.any(is_p3);
-    found.then(|| ColorProfile::new_display_p3().encode().ok()).flatten()
 }
 
 /// The auxiliary depth picture, wherever it hangs.
@@ -136,22 +123,4 @@ fn decode_depth(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<Embedd
     let missing = if own == 1 { photo } else { 1 };
     let (size, inverse_depth) = orient(depth.inverse_depth, depth.size, missing);
     Ok(EmbeddedDepth { size, inverse_depth, ..depth })
-}
-
-/// An item's turns as an EXIF orientation: `irot` (anticlockwise quarters), then `imir`.
-fn turn(file: &HeifFile, id: ItemId) -> u8 {
-    let (mut quarters, mut mirror) = (0, None);
-    for property in file.item_properties(id).into_iter().flatten() {
-        match property {
-            Property::Rotation(q) => quarters = q % 4,
-            Property::Mirror(top_bottom) => mirror = Some(*top_bottom),
-            _ => {}
-        }
-    }
-    let row = match mirror {
-        None => [1, 8, 3, 6],
-        Some(false) => [2, 7, 4, 5],
-        Some(true) => [4, 5, 2, 7],
-    };
-    row[usize::from(quarters)]
 }
