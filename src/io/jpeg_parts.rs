@@ -11,6 +11,8 @@ pub(crate) struct Segment<'a> {
 #[derive(Debug)]
 pub(crate) struct JpegParts<'a> {
     pub(crate) segments: Vec<Segment<'a>>,
+    /// Bytes of entropy-coded data that follow the first start of a scan.
+    first_scan_bytes: usize,
     /// Just behind the end-of-image marker; none if the file is cut off before it.
     pub(crate) end: Option<usize>,
 }
@@ -26,9 +28,12 @@ const EXTENDED_XMP: &[u8] = b"http://ns.adobe.com/xmp/extension/\0";
 
 /// Takes a JPEG apart; stops, without `end`, where it is cut off.
 pub(crate) fn parse(jpeg: &[u8]) -> JpegParts<'_> {
-    let mut parts = JpegParts { segments: Vec::new(), end: None };
-    let mut at = 0;
+    let mut parts = JpegParts { segments: Vec::new(), first_scan_bytes: 0, end: None };
+    let (mut at, mut first_scan) = (0, None);
     while let Some(marker) = next_marker(jpeg, &mut at) {
+        if let Some(start) = first_scan.filter(|_| parts.first_scan_bytes == 0 && !matches!(marker, 0xd0..=0xd7)) {
+            parts.first_scan_bytes = at - 2 - start;
+        }
         match marker {
             START_OF_IMAGE | 0x01 | 0xd0..=0xd7 => continue,
             END_OF_IMAGE => {
@@ -41,6 +46,9 @@ pub(crate) fn parse(jpeg: &[u8]) -> JpegParts<'_> {
         let Some(data) = length.checked_sub(2).and_then(|len| jpeg.get(at + 2..at + 2 + len)) else { break };
         parts.segments.push(Segment { marker, data });
         at += length;
+        if marker == START_OF_SCAN {
+            first_scan.get_or_insert(at);
+        }
     }
     parts
 }
@@ -94,7 +102,27 @@ impl<'a> JpegParts<'a> {
                 *done |= if of.contains(component) { coefficients } else { 0 };
             }
         }
-        !done.is_empty() && done.iter().all(|(_, done)| *done == u64::MAX)
+        let is_full = !done.is_empty() && done.iter().all(|(_, done)| *done == u64::MAX);
+        // The first pass has a code of at least one bit for each block.
+        is_full && self.first_pass_blocks(frame).is_none_or(|blocks| blocks <= 8 * self.first_scan_bytes as u64)
+    }
+
+    /// Blocks of 8×8 numbers in the first scan, by the size in the header (T.81, A.2).
+    fn first_pass_blocks(&self, frame: &Segment) -> Option<u64> {
+        let number = |at: usize| Some(u64::from(u16::from_be_bytes(*frame.data.get(at..)?.first_chunk()?)));
+        let (height, width) = (number(1)?, number(3)?);
+        let factors = |component: &[u8]| (component[0], [component[1] >> 4, component[1] & 15].map(u64::from));
+        let all: Vec<(u8, [u64; 2])> = frame.data.get(6..)?.chunks_exact(3).map(factors).collect();
+        let most = [0, 1].map(|axis| all.iter().map(|(_, by)| by[axis]).max().unwrap_or(1).max(1));
+        let (of, _) = last_bits(self.segments.iter().find(|segment| segment.marker == START_OF_SCAN)?)?;
+        let scanned: Vec<[u64; 2]> = all.iter().filter(|(name, _)| of.contains(name)).map(|&(_, by)| by).collect();
+        Some(match scanned[..] {
+            [[across, down]] => (width * across).div_ceil(8 * most[0]) * (height * down).div_ceil(8 * most[1]),
+            _ => {
+                let units = width.div_ceil(8 * most[0]) * height.div_ceil(8 * most[1]);
+                units * scanned.iter().map(|[across, down]| across * down).sum::<u64>()
+            }
+        })
     }
 
     /// The EXIF block, a TIFF structure.

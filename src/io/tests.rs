@@ -231,11 +231,14 @@ fn a_jpeg_whose_data_end_early_opens_with_a_warning_and_a_whole_one_without() {
             }
         }
     }
-    // A header that says more rows than there are.
-    let mut taller = long_jpeg(false, 0, JpegColor::Rgb);
-    let frame = taller.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
-    taller[frame + 5] = 1;
-    assert_eq!((photo(&taller).info.size, photo(&taller).warnings.len()), ([160, 384], 1));
+    // A header that says more rows than there are; in passes that is seen where it says very many more.
+    for (progressive, frame, high_byte) in [(false, 0xc0, 1), (true, 0xc2, 40)] {
+        let mut taller = long_jpeg(progressive, 0, JpegColor::Rgb);
+        let at = taller.windows(2).position(|w| w == [0xff, frame]).unwrap();
+        taller[at + 5] = high_byte;
+        let file = photo(&taller);
+        assert_eq!((file.info.size, file.warnings.len()), ([160, u32::from(high_byte) * 256 + 128], 1));
+    }
 }
 
 #[test]
