@@ -24,25 +24,65 @@ pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -
     upsample::to_guide(&DisparityMap { size: phone.size, disparity_px }, guide, job)
 }
 
+/// How far the depth net and another map of the same picture agree on what is near: their correlation, −1 … 1, at the
+/// net's size.
+pub fn agreement(net: &DisparityMap, other: &DisparityMap) -> f32 {
+    let size = |map: &DisparityMap| map.size.map(|side| side as usize);
+    let other = resample::<1>(&other.disparity_px, size(other), size(net), Filter::Linear);
+    Moments::of(&other, &net.disparity_px).agreement()
+}
+
+/// Means, standard deviations and covariance of two maps.
+struct Moments {
+    mean: [f32; 2],
+    spread: [f32; 2],
+    covariance: f32,
+}
+
+impl Moments {
+    fn of(from: &[f32], to: &[f32]) -> Self {
+        let n = from.len() as f32;
+        let mean = [from, to].map(|values| values.iter().sum::<f32>() / n);
+        let spread = |values: &[f32], m: f32| (values.iter().map(|v| (v - m).powi(2)).sum::<f32>() / n).sqrt();
+        let spread = [spread(from, mean[0]), spread(to, mean[1])];
+        let covariance = from.iter().zip(to).map(|(f, t)| (f - mean[0]) * (t - mean[1])).sum::<f32>() / n;
+        Self { mean, spread, covariance }
+    }
+
+    /// The correlation; none of what does not vary.
+    fn agreement(&self) -> f32 {
+        let [from, to] = self.spread;
+        if from.min(to) < 1e-6 { 0.0 } else { self.covariance / (from * to) }
+    }
+}
+
 /// Gain and shift that bring `from` nearest to `to` (least squares), with the gain kept positive.
 fn affine_fit(from: &[f32], to: &[f32]) -> (f32, f32) {
-    let n = from.len() as f32;
-    let mean = |values: &[f32]| values.iter().sum::<f32>() / n;
-    let (mf, mt) = (mean(from), mean(to));
-    let spread = |values: &[f32], m: f32| (values.iter().map(|v| (v - m).powi(2)).sum::<f32>() / n).sqrt();
-    let (sf, st) = (spread(from, mf), spread(to, mt));
-    if sf < 1e-6 {
-        return (1.0, mt - mf);
+    let moments = Moments::of(from, to);
+    let ([from_mean, to_mean], [from_spread, to_spread]) = (moments.mean, moments.spread);
+    if from_spread < 1e-6 {
+        return (1.0, to_mean - from_mean);
     }
-    let covariance = from.iter().zip(to).map(|(f, t)| (f - mf) * (t - mt)).sum::<f32>() / n;
-    let agreement = if st < 1e-6 { 0.0 } else { covariance / (sf * st) };
-    let gain = if agreement > AGREES { covariance / (sf * sf) } else { st.max(0.1) / sf };
-    (gain, mt - gain * mf)
+    let agrees = moments.agreement() > AGREES;
+    let gain = if agrees { moments.covariance / from_spread.powi(2) } else { to_spread.max(0.1) / from_spread };
+    (gain, to_mean - gain * from_mean)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn maps_of_other_sizes_agree_or_contradict_each_other() {
+        let ramp = |size: [u32; 2], gain: f32| {
+            let values = (0..size[0] * size[1]).map(|i| gain * (i % size[0]) as f32 / size[0] as f32);
+            DisparityMap::new(size, values.collect()).unwrap()
+        };
+        let net = ramp([30, 20], 1.0);
+        assert!(agreement(&net, &ramp([90, 60], 4.0)) > 0.99);
+        assert!(agreement(&net, &ramp([90, 60], -0.1)) < -0.99);
+        assert_eq!(agreement(&net, &DisparityMap::constant([9, 6], 0.5)), 0.0);
+    }
 
     #[test]
     fn the_fit_finds_gain_and_shift_and_never_turns_near_into_far() {

@@ -11,11 +11,15 @@ use super::state::Source;
 use crate::field::{DisparityMap, LightField, Photo};
 use crate::job::Job;
 use crate::synth::{
-    DepthSource, ModelSource, SynthParams, Synthesizer, lift, reference_view, sweep, synthesize_from_map, upsample,
+    DepthSource, ModelSource, SynthParams, Synthesizer, fuse, lift, reference_view, sweep, synthesize_from_map,
+    upsample,
 };
 
 /// The disparities, far and near, that a map of this width is spread over where its scale is unknown.
 pub use crate::synth::order_range_px as usual_range_px;
+
+/// A correlation beyond this tells near from far. Of nine light fields of known sign it tells five, none of them wrongly.
+const TELLS: f32 = 0.5;
 
 /// Keeps the nets between jobs.
 pub struct Maker {
@@ -33,7 +37,13 @@ impl Maker {
     pub fn make(&mut self, document: &Document, load: &Load, job: &Job) -> Result<Made, String> {
         let made = match (&document.photo, &document.field) {
             (Some(photo), _) => self.of_photo(photo, document, load, job),
-            (None, Some(field)) => of_views(field, document, job),
+            (None, Some(field)) => {
+                let made = of_views(field, document, job)?;
+                if document.depths.is_none() && document.reference.is_none() {
+                    self.doubt_sign(&made, &load.models, job);
+                }
+                Ok(made)
+            }
             (None, None) => Err("nothing to make a light field of — the file is empty — open another".to_owned()),
         }?;
         let survey = made.depths.as_deref().map(|depths| Arc::new(Survey::new(depths)));
@@ -69,6 +79,21 @@ impl Maker {
             took_secs: made.took.as_secs_f64(),
             of: Box::new(document.clone()),
         })
+    }
+
+    /// Colours cannot tell near from far (see [`Layout`](crate::io::formats::layout::Layout)); the depth net has a guess.
+    fn doubt_sign(&mut self, made: &Made, models: &ModelSource, job: &Job) {
+        let (Ok(()), Some(depths)) = (self.load(models), &made.depths) else { return };
+        let Some((_, nets)) = &self.nets else { return };
+        let params = SynthParams { threads: self.threads, ..SynthParams::default() };
+        let Ok(guess) = nets.working_scale_depth(made.field.reference(), &params, job) else { return };
+        let measured = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
+        if fuse::agreement(&guess, &measured) < -TELLS {
+            job.sink.warning(
+                "What looks near to the depth net lies far in these views: if it is near, turn on “Exchange near and far”"
+                    .to_owned(),
+            );
+        }
     }
 
     fn load(&mut self, models: &ModelSource) -> Result<(), String> {
