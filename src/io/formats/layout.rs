@@ -2,9 +2,9 @@
 //! only in the right layout does one disparity for each point explain all views.
 //!
 //! Turning the grid upside down *and* left to right (both signs at once) changes nothing but the sign of every
-//! disparity: colours cannot tell that. [`Layout::opposite`] is the toggle. (What hides what could tell it in principle;
-//! with the depths that a sweep finds it was right on seven scenes and wrong on a statue before an even wall, whose
-//! outline the sweep gives to the wall.)
+//! disparity: colours cannot tell that. [`Layout::opposite`] is the toggle; the window asks the depth net for a guess.
+//! (What hides what could tell it in principle; with the depths that a sweep finds it was right on seven scenes and wrong
+//! on a statue before an even wall, whose outline the sweep gives to the wall.)
 
 use std::sync::Arc;
 
