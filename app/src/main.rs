@@ -23,7 +23,7 @@ const INTERRUPTED: u8 = 130;
 const USAGE: u8 = 2;
 
 #[global_allocator]
-static BLOCKS: LargeBlocks = LargeBlocks;
+static BLOCKS: LargeBlocks = LargeBlocks::keeping(384 << 20);
 
 fn main() -> ExitCode {
     let cli = Cli::parse();

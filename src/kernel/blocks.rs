@@ -2,6 +2,8 @@
 //!
 //! Each layer of a net writes tens of megabytes into memory it has just got. Mapped afresh, every 4 KiB of it costs a
 //! page fault, which took half of the time of the nets. Small blocks go to the system's allocator.
+//!
+//! Lengths are rounded up to one of eight an octave, so that layers of nearly the same size take each other's blocks.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::{Mutex, PoisonError};
@@ -9,13 +11,20 @@ use std::sync::{Mutex, PoisonError};
 /// Size of a huge page, and the smallest block that is kept.
 const PAGE_BYTES: usize = 2 << 20;
 /// Blocks that are kept at most.
-const SLOTS: usize = 32;
-/// Bytes that are kept at most.
-const KEPT_BYTES: usize = 384 << 20;
+const SLOTS: usize = 256;
 
-/// The allocator. Put `#[global_allocator] static BLOCKS: LargeBlocks = LargeBlocks;` into a binary.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LargeBlocks;
+/// The allocator. Put `#[global_allocator] static BLOCKS: LargeBlocks = LargeBlocks::keeping(384 << 20);` into a binary.
+#[derive(Clone, Copy, Debug)]
+pub struct LargeBlocks {
+    most_bytes: usize,
+}
+
+impl LargeBlocks {
+    /// Keeps at most so many bytes that nobody uses: what one round of work frees and the next asks for again.
+    pub const fn keeping(most_bytes: usize) -> Self {
+        Self { most_bytes }
+    }
+}
 
 /// Blocks that nobody uses: address and length.
 struct Kept {
@@ -37,10 +46,11 @@ impl Kept {
         Some(address)
     }
 
-    /// Keeps a block; the oldest ones that it pushes out are written to `out`, and their number is answered.
-    fn keep(&mut self, block: (usize, usize), out: &mut [(usize, usize); SLOTS]) -> usize {
+    /// Keeps a block, `most_bytes` in all; the oldest ones that it pushes out are written to `out`, and their number is
+    /// answered.
+    fn keep(&mut self, block: (usize, usize), most_bytes: usize, out: &mut [(usize, usize); SLOTS]) -> usize {
         let mut pushed = 0;
-        while self.count == SLOTS || (self.count > 0 && self.bytes + block.1 > KEPT_BYTES) {
+        while self.count == SLOTS || (self.count > 0 && self.bytes + block.1 > most_bytes) {
             out[pushed] = self.blocks[0];
             pushed += 1;
             self.bytes -= self.blocks[0].1;
@@ -56,7 +66,8 @@ impl Kept {
 
 fn huge(layout: Layout) -> Option<Layout> {
     let large = cfg!(target_os = "linux") && layout.size() >= PAGE_BYTES && layout.align() <= PAGE_BYTES;
-    let len = layout.size().checked_next_multiple_of(PAGE_BYTES).filter(|_| large)?;
+    let step = (1 << layout.size().max(1).ilog2() >> 3).max(PAGE_BYTES);
+    let len = layout.size().checked_next_multiple_of(step).filter(|_| large)?;
     Layout::from_size_align(len, PAGE_BYTES).ok()
 }
 
@@ -92,11 +103,11 @@ unsafe impl GlobalAlloc for LargeBlocks {
             return unsafe { System.dealloc(address, layout) };
         };
         let mut pushed = [(address as usize, block.size()); SLOTS];
-        let count = if block.size() > KEPT_BYTES {
+        let count = if block.size() > self.most_bytes {
             1
         } else {
             let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
-            kept.keep((address as usize, block.size()), &mut pushed)
+            kept.keep((address as usize, block.size()), self.most_bytes, &mut pushed)
         };
         for &(address, len) in &pushed[..count] {
             // SAFETY: it was allocated with this length and alignment, and is no longer kept.
@@ -111,17 +122,18 @@ mod tests {
 
     #[test]
     fn a_block_is_used_again_and_never_by_two() {
+        let blocks = LargeBlocks::keeping(64 * PAGE_BYTES);
         let layout = Layout::from_size_align(5 * PAGE_BYTES - 100, 64).unwrap();
         // SAFETY: the layout is not empty; each block is freed once, with its layout.
         unsafe {
-            let (a, b) = (LargeBlocks.alloc(layout), LargeBlocks.alloc(layout));
+            let (a, b) = (blocks.alloc(layout), blocks.alloc(layout));
             assert_ne!(a, b);
             assert_eq!(a.addr() % 64, 0);
             a.write_bytes(1, layout.size());
-            LargeBlocks.dealloc(a, layout);
-            assert_eq!(LargeBlocks.alloc(layout), a);
-            LargeBlocks.dealloc(a, layout);
-            LargeBlocks.dealloc(b, layout);
+            blocks.dealloc(a, layout);
+            assert_eq!(blocks.alloc(layout), a);
+            blocks.dealloc(a, layout);
+            blocks.dealloc(b, layout);
         }
     }
 
@@ -132,8 +144,8 @@ mod tests {
         let mut alive = 0;
         for i in 1..200 {
             alive += 1;
-            alive -= kept.keep((i, i % 50 * PAGE_BYTES), &mut out);
-            assert!(kept.count <= SLOTS && kept.bytes <= KEPT_BYTES);
+            alive -= kept.keep((i, i % 50 * PAGE_BYTES), 200 * PAGE_BYTES, &mut out);
+            assert!(kept.count <= SLOTS && kept.bytes <= 200 * PAGE_BYTES);
             assert_eq!(kept.count, alive);
         }
         let (address, len) = kept.blocks[kept.count / 2];

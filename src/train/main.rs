@@ -16,7 +16,7 @@ use plenoscope_train::export::{self, About};
 use plenoscope_train::{bench, data, eslf, eval, run, scenes};
 
 #[global_allocator]
-static BLOCKS: LargeBlocks = LargeBlocks;
+static BLOCKS: LargeBlocks = LargeBlocks::keeping(4 << 30);
 
 fn main() -> ExitCode {
     let matches = command().get_matches();
