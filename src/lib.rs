@@ -9,7 +9,7 @@
 //! * [`field`]: the nouns (photo, view, light field, ray depths, lens) and the conventions they share.
 //! * [`io`]: files in, files out.
 //! * [`synth`]: depth net → Lambertian rendering → occlusion net (ONNX, run by tract).
-//! * [`kernel`]: the direct convolution that inference and training share.
+//! * [`kernel`]: the convolutions that inference and training share.
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.

@@ -18,8 +18,8 @@ pub type Sums = Vec<[f64; 2]>;
 /// One convolution, made ready for a shape and a set of instructions. Cheap to make.
 #[derive(Clone, Copy, Debug)]
 pub struct Conv {
-    shape: ConvShape,
-    isa: Isa,
+    pub(super) shape: ConvShape,
+    pub(super) isa: Isa,
 }
 
 impl Conv {
@@ -81,7 +81,11 @@ impl Conv {
         Padded::build(layout, Padding::Zero, fill)
     }
 
-    fn row_of<'a>(&self, values: &'a [f32], channels: usize) -> impl Fn(RowAt) -> &'a [f32] + Sync + use<'a> {
+    pub(super) fn row_of<'a>(
+        &self,
+        values: &'a [f32],
+        channels: usize,
+    ) -> impl Fn(RowAt) -> &'a [f32] + Sync + use<'a> {
         let [views, height, width] = self.shape.size();
         move |at| {
             let row = ((at.image * channels + at.channel) * views + at.view) * height + at.y;

@@ -1,4 +1,4 @@
-//! The direct convolution that inference and training share, on plain slices: no tensor library in sight.
+//! The convolutions that inference and training share, on plain slices: no tensor library in sight.
 //!
 //! # Shapes
 //! All activations are row-major `[n, c, v, y, x]` (`n` pictures of a batch, `c` channels, `v` views of a light field
@@ -21,14 +21,13 @@
 //! # A training step of convolution → batch normalisation → ELU
 //! With `m = n·v·h·w` values per channel, mean μ and variance σ² of `z`, `istd = 1/√(σ²+ε)`:
 //! ```text
-//! forward    z, sums = conv.forward_with_sums(x̃, w̃)        sums[c] = [Σ z, Σ z²]; no bias, β takes its part
+//! forward    z, sums = conv.step(x, w)                      sums[c] = [Σ z, Σ z²]; no bias, β takes its part
 //!            s = γ·istd,  t = β − μ·s
 //!            y = norm::elu(isa, z, [n, c, v·h·w], s, t)      y = elu(s·z + t)
 //! backward   r = norm::elu_gradient_sums(isa, z, gy, …, s, t)         r[c] = [Σ g, Σ g·z],  g = gy·elu'(s·z + t)
 //!            ∂β = r0,  ∂γ = (r1 − μ·r0)·istd,  q = ∂γ·istd/m
 //!            k = [s, −s·q, s·(q·μ − ∂β/m)]                  so that ∂z = k0·g + k1·z + k2
-//!            g̃ = conv.pad_gradient_with(|row, at| norm::elu_gradient_row(isa, z_row, gy_row, row, s, t, k))
-//!            ∂w = conv.weight_gradient(x̃, g̃),  ∂x = conv.data_gradient(g̃, w)
+//!            ∂w, ∂x = conv.step_gradients(x, w, |row, at| norm::elu_gradient_row(isa, z_row, gy_row, row, s, t, k))
 //! ```
 //! [`norm::Norm`] keeps these few formulas in one place. For a convolution with bias and another activation, write
 //! `gy·act'` in the closure; the bias gradient is the sum of the rows.
@@ -37,8 +36,9 @@
 //! [`Isa`] picks AVX-512, AVX2 + FMA or plain Rust at run time. The same generic code (`vector::Vector`) is compiled for
 //! each; sums are ordered differently, so results differ in the last bits.
 //!
-//! [`winograd`] does chains of convolutions with a half or a quarter of the products; the trainer keeps to the direct one,
-//! whose gradients are exact.
+//! [`winograd`] does the same with a half or a quarter of the products: chains of convolutions in inference, and in
+//! training ([`Conv::step`]) the layers of 3×3 kernels with many channels, forward and both gradients. Its results differ
+//! from the direct ones in the fifth digit or later.
 //!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
 //!
@@ -58,6 +58,7 @@ mod padded;
 pub mod peak;
 mod portable;
 mod shape;
+mod step;
 mod tile;
 mod vector;
 mod weight_tile;
@@ -76,6 +77,7 @@ pub use isa::Isa;
 pub use pack::Packed;
 pub use padded::{Padded, RowAt};
 pub use shape::{ConvShape, Kernel, Padding};
+pub use step::Gradients;
 pub use tile::Activation;
 
 /// Repeatable numbers in −1 … 1, for tests.

@@ -285,3 +285,32 @@ fn a_set_flag_stops_the_forward_pass() {
     let stop = AtomicBool::new(true);
     assert_eq!(conv.forward(&x, &w, None, Activation::None, Some(&stop)), Err(Cancelled));
 }
+
+/// Winograd's algorithm adds up larger numbers than the sums it makes.
+#[test]
+fn a_step_agrees_with_plain_sums() {
+    for (seed, shape) in shapes().into_iter().filter(|shape| shape.kernel == Kernel::Plane).enumerate() {
+        let mut numbers = Numbers(200 + seed as u64);
+        let (x, w) = (numbers.take(shape.input_len()), numbers.take(shape.weights_len()));
+        let gy = numbers.take(shape.output_len());
+        let plain = forward_plainly(&shape, &x, &w, &vec![0.0; shape.channels_out]);
+        let (gx, gw) = gradients_plainly(&shape, &x, &w, &gy);
+        let row = |values: &[f32], channels: usize, at: RowAt| {
+            let row = ((at.image * channels + at.channel) * shape.views + at.view) * shape.height + at.y;
+            values[row * shape.width..][..shape.width].to_vec()
+        };
+        let fill_x = |target: &mut [f32], at: RowAt| target.copy_from_slice(&row(&x, shape.channels_in, at));
+        let fill_gy = |target: &mut [f32], at: RowAt| target.copy_from_slice(&row(&gy, shape.channels_out, at));
+        for isa in Isa::all() {
+            let batch = winograd::batch::PlaneBatch::new(&shape, isa);
+            let (y, sums) = batch.forward(&fill_x, &w);
+            assert_close(&y, &plain, &format!("{isa} {shape:?}"));
+            for (a, b) in sums.iter().zip(norm::sums(isa, &y, shape.channels_out, shape.plane())) {
+                assert!((a[0] - b[0]).abs() < 1e-3 && (a[1] - b[1]).abs() <= 1e-3 * b[1], "{isa}");
+            }
+            let (weights, x) = batch.gradients(&fill_x, &fill_gy, &w, true);
+            assert_close(&weights, &gw, &format!("weight gradient {isa} {shape:?}"));
+            assert_close(&x.unwrap(), &gx, &format!("data gradient {isa} {shape:?}"));
+        }
+    }
+}

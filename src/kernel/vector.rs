@@ -93,6 +93,7 @@ pub(super) unsafe fn tanh<V: Vector>(x: V) -> V {
 /// The functions that the rest of the kernel calls, compiled for one set of instructions.
 macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
+        use $crate::kernel::winograd::batch::{products, tiles, weights};
         use $crate::kernel::winograd::{plane_tile, volume_tile};
         use $crate::kernel::{norm, peak, tile, weight_tile};
 
@@ -118,6 +119,36 @@ macro_rules! entry_points {
         pub(in crate::kernel) unsafe fn winograd_views(input: &volume_tile::VolumeInput) {
             // SAFETY: the caller's word.
             unsafe { volume_tile::transform::<$vector>(input) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_channels(channels: &tiles::Channels) {
+            // SAFETY: the caller's word.
+            unsafe { tiles::run::<$vector>(channels) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_products(products: &products::Products) {
+            // SAFETY: the caller's word.
+            unsafe { products::forward::<$vector>(products) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_weight_gradient(products: &products::Products) {
+            // SAFETY: the caller's word.
+            unsafe { products::weight_gradient::<$vector>(products) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_weights(weights: &weights::GroupWeights) {
+            // SAFETY: the caller's word.
+            unsafe { weights::transform::<$vector>(weights) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_weights_gradient(weights: &weights::GroupWeights) {
+            // SAFETY: the caller's word.
+            unsafe { weights::transform_gradient::<$vector>(weights) }
         }
 
         $(#[target_feature(enable = $features)])?

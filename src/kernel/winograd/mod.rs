@@ -4,11 +4,13 @@
 //!
 //! - [`PlaneChain`]: 3×3 kernels of many channels, F(4×4, 3×3): a quarter of the products. A dilated kernel is d²
 //!   interleaved plain ones.
+//! - `PlaneBatch`: the same for one layer of a training step, and its gradients.
 //! - [`VolumeChain`]: 3×3×3 kernels of few channels, F(4, 3) along the views: half of the products; all layers go
 //!   through the picture together, row by row, so that what lies between two layers stays in cache.
 //!
 //! Between consecutive layers nothing is copied and nothing is padded.
 
+pub(super) mod batch;
 mod plane;
 pub(super) mod plane_tile;
 mod transform;

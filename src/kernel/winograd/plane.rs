@@ -169,7 +169,7 @@ fn transformed(taps: &[f32]) -> [f32; COMPONENTS] {
 }
 
 /// First results of all tiles: in each of the d² interleaved pictures, every fourth row and column.
-fn origins(size: [usize; 2], dilation: usize) -> Vec<[u32; 2]> {
+pub(super) fn origins(size: [usize; 2], dilation: usize) -> Vec<[u32; 2]> {
     let firsts = |size: usize| {
         let starts = (0..size).step_by(4 * dilation);
         starts.flat_map(move |start| (start..(start + dilation).min(size)).map(|at| at as u32)).collect::<Vec<_>>()

@@ -14,7 +14,7 @@ use own_conv::{ConvTanh, Norm};
 pub enum Path {
     /// Burn's own operations.
     Stock,
-    /// Ours, on the direct-convolution kernel that inference uses.
+    /// Ours, on the kernel that inference uses.
     Own,
 }
 

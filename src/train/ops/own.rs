@@ -1,4 +1,4 @@
-//! The nets' operations on the direct-convolution kernel that inference uses, as differentiable operations of burn.
+//! The nets' operations on the kernel that inference uses, as differentiable operations of burn.
 
 use burn::backend::autodiff::NodeId;
 use burn::backend::autodiff::checkpoint::{base::Checkpointer, strategy::CheckpointStrategy};

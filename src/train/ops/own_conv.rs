@@ -1,7 +1,8 @@
 //! Convolution with its ends, forward and backward, on the kernel. Formulas: [`plenoscope::kernel`].
 
 use burn::backend::flex::FlexTensor;
-use plenoscope::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Padded, Padding, norm};
+use plenoscope::kernel::{Activation, Conv, ConvShape, Gradients, Isa, Kernel, Padding, RowAt, norm};
+use rayon::prelude::*;
 
 use super::own_flex::{contiguous, dims, make, slice};
 use crate::nets::NORM_EPSILON;
@@ -26,22 +27,20 @@ pub struct ConvTanh {
 #[derive(Clone, Debug)]
 pub struct Saved {
     conv: Conv,
-    x: Padded,
+    x: FlexTensor,
     z: Vec<f32>,
     weight: FlexTensor,
     norm: norm::Norm,
-    x_shape: Vec<usize>,
 }
 
 /// What the backward pass of a convolution with tanh needs.
 #[derive(Clone, Debug)]
 pub struct SavedTanh {
     conv: Conv,
-    x: Padded,
+    x: FlexTensor,
     y: FlexTensor,
     weight: FlexTensor,
     scale: f32,
-    x_shape: Vec<usize>,
 }
 
 /// The kernel's convolution for tensors of these shapes.
@@ -77,13 +76,12 @@ pub(super) fn norm_forward(
     let x_shape = dims(&x);
     let conv = conv_of(&x_shape, &dims(&weight), how.dilation);
     let (plane, channels) = (conv.shape().plane(), conv.shape().channels_out);
-    let padded = conv.pad_input(slice(&x));
-    let (z, sums) = conv.forward_with_sums(&padded, &conv.pack(slice(&weight)));
+    let (z, sums) = conv.step(slice(&x), slice(&weight));
     let norm = norm::Norm::from_sums(&sums, conv.shape().batch * plane, slice(&gamma), slice(&beta), NORM_EPSILON);
     let y = norm::elu(Isa::best(), &z, plane, &norm.scale, &norm.shift);
     let statistics = [norm.mean.as_slice(), norm.variance.as_slice()].concat();
     let y = make(y, &out_shape(&x_shape, channels));
-    (y, make(statistics, &[2, channels]), Saved { conv, x: padded, z, weight, norm, x_shape })
+    (y, make(statistics, &[2, channels]), Saved { conv, x, z, weight, norm })
 }
 
 /// Gradients of input (if wanted), weights, γ and β.
@@ -93,35 +91,28 @@ pub(super) fn norm_backward(saved: &Saved, gy: &[f32], wants_x: bool) -> [Option
     let (plane, width, channels) = (shape.plane(), shape.width, shape.channels_out);
     let sums = norm::elu_gradient_sums(isa, z, gy, plane, &saved.norm.scale, &saved.norm.shift);
     let (gamma, beta, per_channel) = saved.norm.backward(&sums, shape.batch * plane);
-    let padded = conv.pad_gradient_with(|row, at| {
+    let rows = |row: &mut [f32], at: RowAt| {
         let from = ((at.image * channels + at.channel) * shape.views + at.view) * shape.height + at.y;
         let from = from * width..(from + 1) * width;
         norm::elu_gradient_row(isa, &z[from.clone()], &gy[from], row, per_channel[at.channel]);
-    });
-    let weight = conv.weight_gradient(&saved.x, &padded);
-    let x = wants_x.then(|| make(conv.data_gradient(&padded, slice(&saved.weight)), &saved.x_shape));
-    [x, Some(make(weight, &dims(&saved.weight))), Some(make(gamma, &[channels])), Some(make(beta, &[channels]))]
+    };
+    let gradients = conv.step_gradients(slice(&saved.x), slice(&saved.weight), rows, wants_x);
+    let [weight, x] = tensors(gradients, &saved.weight, &saved.x);
+    [x, weight, Some(make(gamma, &[channels])), Some(make(beta, &[channels]))]
+}
+
+/// Gradients of weights and (if there is one) input.
+fn tensors(gradients: Gradients, weight: &FlexTensor, x: &FlexTensor) -> [Option<FlexTensor>; 2] {
+    [Some(make(gradients.weights, &dims(weight))), gradients.x.map(|gradient| make(gradient, &dims(x)))]
 }
 
 pub(super) fn elu_forward(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, how: Norm) -> FlexTensor {
-    forward(x, weight, bias, how.dilation, Activation::Elu).0
-}
-
-/// Result, the convolution, the padded input, and the shape of the input.
-fn forward(
-    x: FlexTensor,
-    weight: FlexTensor,
-    bias: FlexTensor,
-    dilation: usize,
-    activation: Activation,
-) -> (FlexTensor, Conv, Padded, Vec<usize>) {
     let (x, weight, bias) = (contiguous(x), contiguous(weight), contiguous(bias));
-    let x_shape = dims(&x);
-    let conv = conv_of(&x_shape, &dims(&weight), dilation);
-    let padded = conv.pad_input(slice(&x));
+    let conv = conv_of(&dims(&x), &dims(&weight), how.dilation);
+    let (padded, packed) = (conv.pad_input(slice(&x)), conv.pack(slice(&weight)));
     // Without a cancel flag nothing is ever cancelled.
-    let y = conv.forward(&padded, &conv.pack(slice(&weight)), Some(slice(&bias)), activation, None).unwrap_or_default();
-    (make(y, &out_shape(&x_shape, conv.shape().channels_out)), conv, padded, x_shape)
+    let y = conv.forward(&padded, &packed, Some(slice(&bias)), Activation::Elu, None).unwrap_or_default();
+    make(y, &out_shape(&dims(&x), conv.shape().channels_out))
 }
 
 pub(super) fn tanh_forward(
@@ -130,23 +121,34 @@ pub(super) fn tanh_forward(
     bias: FlexTensor,
     end: ConvTanh,
 ) -> (FlexTensor, SavedTanh) {
-    let weight = contiguous(weight);
-    let shrink = |t: &FlexTensor| make(slice(t).iter().map(|v| v / end.scale).collect(), &dims(t));
-    let (small_weight, small_bias) = (shrink(&weight), shrink(&contiguous(bias)));
-    let (y, conv, padded, x_shape) =
-        forward(x, small_weight, small_bias, end.dilation, Activation::Tanh { scale: end.scale });
-    let saved = SavedTanh { conv, x: padded, y: y.clone(), weight, scale: end.scale, x_shape };
-    (y, saved)
+    let (x, weight, bias) = (contiguous(x), contiguous(weight), contiguous(bias));
+    let conv = conv_of(&dims(&x), &dims(&weight), end.dilation);
+    let (mut y, _) = conv.step(slice(&x), slice(&weight));
+    let (plane, channels) = (conv.shape().plane(), conv.shape().channels_out);
+    y.par_chunks_mut(plane).enumerate().for_each(|(i, plane)| {
+        let bias = slice(&bias)[i % channels];
+        plane.iter_mut().for_each(|z| *z = (*z + bias) / end.scale);
+        norm::activate(Isa::best(), plane, Activation::Tanh { scale: end.scale });
+    });
+    let y = make(y, &out_shape(&dims(&x), channels));
+    (y.clone(), SavedTanh { conv, x, y, weight, scale: end.scale })
 }
 
 /// Gradients of input (if wanted), weights and bias.
 pub(super) fn tanh_backward(saved: &SavedTanh, gy: &[f32], wants_x: bool) -> [Option<FlexTensor>; 3] {
     let shape = saved.conv.shape();
-    let channels = shape.channels_out;
-    let gz: Vec<f32> = slice(&saved.y).iter().zip(gy).map(|(y, g)| g * (1.0 - (y / saved.scale).powi(2))).collect();
+    let (channels, width) = (shape.channels_out, shape.width);
+    let mut gz = vec![0.0; gy.len()];
+    (gz.par_iter_mut(), slice(&saved.y), gy)
+        .into_par_iter()
+        .with_min_len(8192)
+        .for_each(|(gz, y, gy)| *gz = gy * (1.0 - (y / saved.scale).powi(2)));
     let bias = norm::sums(Isa::best(), &gz, channels, shape.plane()).iter().map(|[sum, _]| *sum as f32).collect();
-    let padded = saved.conv.pad_gradient(&gz);
-    let weight = saved.conv.weight_gradient(&saved.x, &padded);
-    let x = wants_x.then(|| make(saved.conv.data_gradient(&padded, slice(&saved.weight)), &saved.x_shape));
-    [x, Some(make(weight, &dims(&saved.weight))), Some(make(bias, &[channels]))]
+    let rows = |row: &mut [f32], at: RowAt| {
+        let from = ((at.image * channels + at.channel) * shape.views + at.view) * shape.height + at.y;
+        row.copy_from_slice(&gz[from * width..][..width]);
+    };
+    let gradients = saved.conv.step_gradients(slice(&saved.x), slice(&saved.weight), rows, wants_x);
+    let [weight, x] = tensors(gradients, &saved.weight, &saved.x);
+    [x, weight, Some(make(bias, &[channels]))]
 }

@@ -60,6 +60,7 @@ fn convolution_with_normalisation_and_elu_is_burns() {
     check_norm_elu([1, 16, 9, 50], 64, 1);
     check_norm_elu([2, 24, 8, 6], 40, 2);
     check_norm_elu([2, 8, 6, 8], 16, 4);
+    check_norm_elu([8, 80, 6, 8], 112, 4);
     check_norm_elu([1, 8, 20, 20], 8, 16);
     check_norm_elu([1, 4, 5, 6, 20], 8, 1);
     check_norm_elu([2, 8, 4, 7, 9], 8, 1);
@@ -67,14 +68,14 @@ fn convolution_with_normalisation_and_elu_is_burns() {
 
 #[test]
 fn convolution_with_tanh_is_burns() {
-    let run = |path| {
+    let run = |[from, to]: [usize; 2], path| {
         let leaves = (
-            random(1, [2, 8, 10, 20]).require_grad(),
-            random(2, [6, 8, 3, 3]).require_grad(),
-            random(3, [6]).require_grad(),
+            random(1, [2, from, 10, 20]).require_grad(),
+            random(2, [to, from, 3, 3]).require_grad(),
+            random(3, [to]).require_grad(),
         );
         let y = conv_tanh(leaves.0.clone(), leaves.1.clone(), leaves.2.clone(), (1, 4.0), path);
-        let gradients = (y.clone() * random(5, [2, 6, 10, 20])).sum().backward();
+        let gradients = (y.clone() * random(5, [2, to, 10, 20])).sum().backward();
         let (x, w, b) = (
             leaves.0.grad(&gradients).unwrap(),
             leaves.1.grad(&gradients).unwrap(),
@@ -82,8 +83,10 @@ fn convolution_with_tanh_is_burns() {
         );
         [values(y), values(x), values(w), values(b)]
     };
-    for (a, b) in run(Path::Own).iter().zip(&run(Path::Stock)) {
-        same("conv_tanh", a, b);
+    for channels in [[8, 6], [40, 24]] {
+        for (a, b) in run(channels, Path::Own).iter().zip(&run(channels, Path::Stock)) {
+            same(&format!("conv_tanh {channels:?}"), a, b);
+        }
     }
 }
 
