@@ -90,3 +90,23 @@ fn weight_gradient(bencher: Bencher, layer: usize) {
     let flop = conv.shape().flop() as usize;
     bencher.counter(ItemsCount::new(flop)).bench(|| conv.weight_gradient(&x, &gradient));
 }
+
+/// A layer of a training step, by whichever algorithm it takes.
+#[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
+fn step(bencher: Bencher, layer: usize) {
+    let conv = Conv::new(shape(layer), Isa::best());
+    let (x, weights) = (numbers(conv.shape().input_len()), numbers(conv.shape().weights_len()));
+    let flop = conv.shape().flop() as usize;
+    bencher.counter(ItemsCount::new(flop)).bench(|| conv.step(&x, &weights));
+}
+
+/// Both gradients of it.
+#[divan::bench(args = 0..LAYERS.len(), sample_count = 10)]
+fn step_gradients(bencher: Bencher, layer: usize) {
+    let conv = Conv::new(shape(layer), Isa::best());
+    let (x, weights) = (numbers(conv.shape().input_len()), numbers(conv.shape().weights_len()));
+    let gradient = numbers(conv.shape().output_len());
+    let flop = 2 * conv.shape().flop() as usize;
+    let pieces = |piece: &mut [f32], at: usize| piece.copy_from_slice(&gradient[at..][..piece.len()]);
+    bencher.counter(ItemsCount::new(flop)).bench(|| conv.step_gradients(&x, &weights, pieces, true));
+}

@@ -79,6 +79,37 @@ impl Vector for __m512 {
     unsafe fn sum(self) -> f32 {
         unsafe { _mm512_reduce_add_ps(self) }
     }
+    /// Pairs of rows, pairs of pairs, then quarters of registers change places.
+    #[inline(always)]
+    unsafe fn transpose_16(from: *const f32, from_step: usize, to: *mut f32, to_step: usize) {
+        unsafe {
+            let (mut a, mut b) = ([_mm512_setzero_ps(); 16], [_mm512_setzero_ps(); 16]);
+            for (i, a) in a.iter_mut().enumerate() {
+                *a = _mm512_loadu_ps(from.add(i * from_step));
+            }
+            for i in (0..16).step_by(2) {
+                b[i] = _mm512_unpacklo_ps(a[i], a[i + 1]);
+                b[i + 1] = _mm512_unpackhi_ps(a[i], a[i + 1]);
+            }
+            for i in (0..16).step_by(4) {
+                for half in 0..2 {
+                    let (near, far) = (_mm512_castps_pd(b[i + half]), _mm512_castps_pd(b[i + half + 2]));
+                    a[i + 2 * half] = _mm512_castpd_ps(_mm512_unpacklo_pd(near, far));
+                    a[i + 2 * half + 1] = _mm512_castpd_ps(_mm512_unpackhi_pd(near, far));
+                }
+            }
+            for j in 0..4 {
+                b[j] = _mm512_shuffle_f32x4::<0x88>(a[j], a[4 + j]);
+                b[4 + j] = _mm512_shuffle_f32x4::<0xdd>(a[j], a[4 + j]);
+                b[8 + j] = _mm512_shuffle_f32x4::<0x88>(a[8 + j], a[12 + j]);
+                b[12 + j] = _mm512_shuffle_f32x4::<0xdd>(a[8 + j], a[12 + j]);
+            }
+            for j in 0..8 {
+                _mm512_storeu_ps(to.add(j * to_step), _mm512_shuffle_f32x4::<0x88>(b[j], b[8 + j]));
+                _mm512_storeu_ps(to.add((8 + j) * to_step), _mm512_shuffle_f32x4::<0xdd>(b[j], b[8 + j]));
+            }
+        }
+    }
 }
 
 // VL matters: without it the halves of the final sums pin the accumulators to registers 0–15, and they spill.

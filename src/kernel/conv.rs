@@ -81,11 +81,7 @@ impl Conv {
         Padded::build(layout, Padding::Zero, fill)
     }
 
-    pub(super) fn row_of<'a>(
-        &self,
-        values: &'a [f32],
-        channels: usize,
-    ) -> impl Fn(RowAt) -> &'a [f32] + Sync + use<'a> {
+    fn row_of<'a>(&self, values: &'a [f32], channels: usize) -> impl Fn(RowAt) -> &'a [f32] + Sync + use<'a> {
         let [views, height, width] = self.shape.size();
         move |at| {
             let row = ((at.image * channels + at.channel) * views + at.view) * height + at.y;

@@ -37,8 +37,8 @@
 //! each; sums are ordered differently, so results differ in the last bits.
 //!
 //! [`winograd`] does the same with a half or a quarter of the products: chains of convolutions in inference, and in
-//! training ([`Conv::step`]) the layers of 3×3 kernels with many channels, forward and both gradients. Its results differ
-//! from the direct ones in the fifth digit or later.
+//! training ([`Conv::step`]) 3×3 kernels of many channels and 3×3×3 kernels of few, forward and both gradients. Its results
+//! differ from the direct ones in the fifth digit or later.
 //!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
 //!

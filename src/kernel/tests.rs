@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::winograd::batch::{PlaneBatch, VolumeBatch};
 use super::*;
 use crate::job::Cancelled;
 
@@ -114,10 +115,15 @@ fn shapes() -> Vec<ConvShape> {
 
 /// |a − b| ≤ 1e-5 · (1 + the largest |b|).
 fn assert_close(a: &[f32], b: &[f32], what: &str) {
+    assert_within(1.0, a, b, what);
+}
+
+/// |a − b| ≤ 1e-5 · `times` · (1 + the largest |b|).
+fn assert_within(times: f32, a: &[f32], b: &[f32], what: &str) {
     assert_eq!(a.len(), b.len(), "{what}: length");
     let largest = b.iter().fold(0.0, |m: f32, b| m.max(b.abs()));
     for (i, (a, b)) in a.iter().zip(b).enumerate() {
-        assert!((a - b).abs() <= 1e-5 * (1.0 + largest), "{what}: value {i} is {a}, not {b}");
+        assert!((a - b).abs() <= 1e-5 * times * (1.0 + largest), "{what}: value {i} is {a}, not {b}");
     }
 }
 
@@ -286,31 +292,51 @@ fn a_set_flag_stops_the_forward_pass() {
     assert_eq!(conv.forward(&x, &w, None, Activation::None, Some(&stop)), Err(Cancelled));
 }
 
+/// Light fields of few and of odd numbers of views, in one round and in several.
+fn volumes() -> impl Iterator<Item = ConvShape> {
+    let of = |(views, padding)| ConvShape {
+        batch: 2,
+        channels_in: 8,
+        channels_out: 3 + views % 6,
+        views,
+        height: if views > 9 { 40 } else { 5 },
+        width: if views > 9 { 41 } else { 6 },
+        kernel: Kernel::Volume,
+        dilation: 1,
+        padding,
+    };
+    (1..8).chain([31]).flat_map(|views| [(views, Padding::Edge), (views, Padding::Zero)]).map(of)
+}
+
 /// Winograd's algorithm adds up larger numbers than the sums it makes.
 #[test]
 fn a_step_agrees_with_plain_sums() {
-    for (seed, shape) in shapes().into_iter().filter(|shape| shape.kernel == Kernel::Plane).enumerate() {
+    for (seed, shape) in shapes()
+        .into_iter()
+        .chain(volumes())
+        .filter(|shape| shape.kernel == Kernel::Plane || VolumeBatch::can(shape))
+        .enumerate()
+    {
         let mut numbers = Numbers(200 + seed as u64);
         let (x, w) = (numbers.take(shape.input_len()), numbers.take(shape.weights_len()));
         let gy = numbers.take(shape.output_len());
         let plain = forward_plainly(&shape, &x, &w, &vec![0.0; shape.channels_out]);
         let (gx, gw) = gradients_plainly(&shape, &x, &w, &gy);
-        let row = |values: &[f32], channels: usize, at: RowAt| {
-            let row = ((at.image * channels + at.channel) * shape.views + at.view) * shape.height + at.y;
-            values[row * shape.width..][..shape.width].to_vec()
-        };
-        let fill_x = |target: &mut [f32], at: RowAt| target.copy_from_slice(&row(&x, shape.channels_in, at));
-        let fill_gy = |target: &mut [f32], at: RowAt| target.copy_from_slice(&row(&gy, shape.channels_out, at));
+        let gradient = |values: &mut [f32], at: usize| values.copy_from_slice(&gy[at..][..values.len()]);
         for isa in Isa::all() {
-            let batch = winograd::batch::PlaneBatch::new(&shape, isa);
-            let (y, sums) = batch.forward(&fill_x, &w);
+            let ((y, sums), (weights, to_x)) = if shape.kernel == Kernel::Plane {
+                let batch = PlaneBatch::new(&shape, isa);
+                (batch.forward(&x, &w), batch.gradients(&x, &gradient, &w, true))
+            } else {
+                let batch = VolumeBatch::new(&shape, isa);
+                (batch.forward(&x, &w), batch.gradients(&x, &gradient, &w, true))
+            };
             assert_close(&y, &plain, &format!("{isa} {shape:?}"));
             for (a, b) in sums.iter().zip(norm::sums(isa, &y, shape.channels_out, shape.plane())) {
-                assert!((a[0] - b[0]).abs() < 1e-3 && (a[1] - b[1]).abs() <= 1e-3 * b[1], "{isa}");
+                assert!((a[0] - b[0]).abs() < 1e-4 * (1.0 + b[1]) && (a[1] - b[1]).abs() <= 1e-4 * b[1], "{isa}");
             }
-            let (weights, x) = batch.gradients(&fill_x, &fill_gy, &w, true);
-            assert_close(&weights, &gw, &format!("weight gradient {isa} {shape:?}"));
-            assert_close(&x.unwrap(), &gx, &format!("data gradient {isa} {shape:?}"));
+            assert_within(5.0, &weights, &gw, &format!("weight gradient {isa} {shape:?}"));
+            assert_close(&to_x.unwrap(), &gx, &format!("data gradient {isa} {shape:?}"));
         }
     }
 }

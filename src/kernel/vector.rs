@@ -32,6 +32,16 @@ pub(super) trait Vector: Copy {
     unsafe fn if_positive(self, positive: Self, other: Self) -> Self;
     /// The sum of all values.
     unsafe fn sum(self) -> f32;
+    /// Transposes 16×16 values, rows being `from_step` and `to_step` values apart.
+    #[inline(always)]
+    unsafe fn transpose_16(from: *const f32, from_step: usize, to: *mut f32, to_step: usize) {
+        for i in 0..16 {
+            for j in 0..16 {
+                // SAFETY: the caller's word.
+                unsafe { *to.add(j * to_step + i) = *from.add(i * from_step + j) };
+            }
+        }
+    }
 }
 
 /// `exp(x)` for x ≤ 0, relative error below 2e-7 (Cephes `expf`: range reduction by ln 2, polynomial of degree 7).
@@ -93,7 +103,7 @@ pub(super) unsafe fn tanh<V: Vector>(x: V) -> V {
 /// The functions that the rest of the kernel calls, compiled for one set of instructions.
 macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
-        use $crate::kernel::winograd::batch::{products, tiles, weights};
+        use $crate::kernel::winograd::batch::{pixels, products, tiles, weights};
         use $crate::kernel::winograd::{plane_tile, volume_tile};
         use $crate::kernel::{norm, peak, tile, weight_tile};
 
@@ -119,6 +129,12 @@ macro_rules! entry_points {
         pub(in crate::kernel) unsafe fn winograd_views(input: &volume_tile::VolumeInput) {
             // SAFETY: the caller's word.
             unsafe { volume_tile::transform::<$vector>(input) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn transpose(from: *const f32, steps: [usize; 2], to: *mut f32, blocks: [usize; 2]) {
+            // SAFETY: the caller's word.
+            unsafe { pixels::transpose::<$vector>(from, steps, to, blocks) }
         }
 
         $(#[target_feature(enable = $features)])?

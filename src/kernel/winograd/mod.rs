@@ -4,7 +4,8 @@
 //!
 //! - [`PlaneChain`]: 3×3 kernels of many channels, F(4×4, 3×3): a quarter of the products. A dilated kernel is d²
 //!   interleaved plain ones.
-//! - `PlaneBatch`: the same for one layer of a training step, and its gradients.
+//! - `PlaneBatch`: the same for one layer of a training step, and its gradients; `VolumeBatch`: so too for 3×3×3 kernels of
+//!   few channels, two views as the channels of one.
 //! - [`VolumeChain`]: 3×3×3 kernels of few channels, F(4, 3) along the views: half of the products; all layers go
 //!   through the picture together, row by row, so that what lies between two layers stays in cache.
 //!

@@ -169,11 +169,13 @@ fn transformed(taps: &[f32]) -> [f32; COMPONENTS] {
 }
 
 /// First results of all tiles: in each of the d² interleaved pictures, every fourth row and column.
-pub(super) fn origins(size: [usize; 2], dilation: usize) -> Vec<[u32; 2]> {
-    let firsts = |size: usize| {
-        let starts = (0..size).step_by(4 * dilation);
-        starts.flat_map(move |start| (start..(start + dilation).min(size)).map(|at| at as u32)).collect::<Vec<_>>()
-    };
-    let columns = firsts(size[1]);
-    firsts(size[0]).into_iter().flat_map(|y| columns.iter().map(move |&x| [y, x])).collect()
+fn origins(size: [usize; 2], dilation: usize) -> Vec<[u32; 2]> {
+    let columns = firsts(size[1], dilation);
+    firsts(size[0], dilation).into_iter().flat_map(|y| columns.iter().map(move |&x| [y, x])).collect()
+}
+
+/// First results of all tiles along one axis.
+pub(super) fn firsts(size: usize, dilation: usize) -> Vec<u32> {
+    let starts = (0..size).step_by(4 * dilation);
+    starts.flat_map(|start| (start..(start + dilation).min(size)).map(|at| at as u32)).collect()
 }

@@ -1,7 +1,7 @@
 //! Convolution with its ends, forward and backward, on the kernel. Formulas: [`plenoscope::kernel`].
 
 use burn::backend::flex::FlexTensor;
-use plenoscope::kernel::{Activation, Conv, ConvShape, Gradients, Isa, Kernel, Padding, RowAt, norm};
+use plenoscope::kernel::{Activation, Conv, ConvShape, Gradients, Isa, Kernel, Padding, norm};
 use rayon::prelude::*;
 
 use super::own_flex::{contiguous, dims, make, slice};
@@ -88,15 +88,14 @@ pub(super) fn norm_forward(
 pub(super) fn norm_backward(saved: &Saved, gy: &[f32], wants_x: bool) -> [Option<FlexTensor>; 4] {
     let (conv, z, isa) = (&saved.conv, &saved.z, Isa::best());
     let shape = conv.shape();
-    let (plane, width, channels) = (shape.plane(), shape.width, shape.channels_out);
+    let (plane, channels) = (shape.plane(), shape.channels_out);
     let sums = norm::elu_gradient_sums(isa, z, gy, plane, &saved.norm.scale, &saved.norm.shift);
     let (gamma, beta, per_channel) = saved.norm.backward(&sums, shape.batch * plane);
-    let rows = |row: &mut [f32], at: RowAt| {
-        let from = ((at.image * channels + at.channel) * shape.views + at.view) * shape.height + at.y;
-        let from = from * width..(from + 1) * width;
-        norm::elu_gradient_row(isa, &z[from.clone()], &gy[from], row, per_channel[at.channel]);
+    let pieces = |gz: &mut [f32], at: usize| {
+        let from = at..at + gz.len();
+        norm::elu_gradient_row(isa, &z[from.clone()], &gy[from], gz, per_channel[at / plane % channels]);
     };
-    let gradients = conv.step_gradients(slice(&saved.x), slice(&saved.weight), rows, wants_x);
+    let gradients = conv.step_gradients(slice(&saved.x), slice(&saved.weight), pieces, wants_x);
     let [weight, x] = tensors(gradients, &saved.weight, &saved.x);
     [x, weight, Some(make(gamma, &[channels])), Some(make(beta, &[channels]))]
 }
@@ -137,18 +136,12 @@ pub(super) fn tanh_forward(
 /// Gradients of input (if wanted), weights and bias.
 pub(super) fn tanh_backward(saved: &SavedTanh, gy: &[f32], wants_x: bool) -> [Option<FlexTensor>; 3] {
     let shape = saved.conv.shape();
-    let (channels, width) = (shape.channels_out, shape.width);
-    let mut gz = vec![0.0; gy.len()];
-    (gz.par_iter_mut(), slice(&saved.y), gy)
-        .into_par_iter()
-        .with_min_len(8192)
-        .for_each(|(gz, y, gy)| *gz = gy * (1.0 - (y / saved.scale).powi(2)));
+    let channels = shape.channels_out;
+    let values = slice(&saved.y).par_iter().zip(gy).with_min_len(8192);
+    let gz: Vec<f32> = values.map(|(y, gy)| gy * (1.0 - (y / saved.scale).powi(2))).collect();
     let bias = norm::sums(Isa::best(), &gz, channels, shape.plane()).iter().map(|[sum, _]| *sum as f32).collect();
-    let rows = |row: &mut [f32], at: RowAt| {
-        let from = ((at.image * channels + at.channel) * shape.views + at.view) * shape.height + at.y;
-        row.copy_from_slice(&gz[from * width..][..width]);
-    };
-    let gradients = saved.conv.step_gradients(slice(&saved.x), slice(&saved.weight), rows, wants_x);
+    let pieces = |piece: &mut [f32], at: usize| piece.copy_from_slice(&gz[at..][..piece.len()]);
+    let gradients = saved.conv.step_gradients(slice(&saved.x), slice(&saved.weight), pieces, wants_x);
     let [weight, x] = tensors(gradients, &saved.weight, &saved.x);
     [x, weight, Some(make(bias, &[channels]))]
 }

@@ -64,6 +64,7 @@ fn convolution_with_normalisation_and_elu_is_burns() {
     check_norm_elu([1, 8, 20, 20], 8, 16);
     check_norm_elu([1, 4, 5, 6, 20], 8, 1);
     check_norm_elu([2, 8, 4, 7, 9], 8, 1);
+    check_norm_elu([2, 8, 7, 18, 21], 3, 1);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The products of one component: tiles × channels matrices, forward and for both gradients.
 //!
-//! Everything lies in groups of 16 channels: values `[group][tile][16]`, weights `[group of results][channel][16]`.
+//! Everything lies in groups of 16 channels: values `[group][tile][16]`, weights `[group of results][row][16]`, one row for
+//! each channel of the sources.
 //! Loops are written out: a closure would be compiled without the instructions of the function around it.
 
 #![allow(clippy::needless_range_loop, reason = "see above")]
@@ -8,24 +9,35 @@
 use super::GROUP;
 use crate::kernel::vector::Vector;
 
-/// Tiles come in whole multiples of it.
+/// Tiles come in whole multiples of it, and the rows of a source's weights too.
 pub(super) const TILES: usize = 8;
 
+/// A few neighbouring channels that are read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source {
+    /// `[tile]`, 16 values apart.
+    pub(super) values: *const f32,
+    pub(super) channels: usize,
+    /// The row of the first one's weights.
+    pub(super) row: usize,
+}
+
 /// One component of all tiles.
-pub(in crate::kernel) struct Products {
-    /// Groups of channels on either side.
-    pub(super) groups: [usize; 2],
+pub(in crate::kernel) struct Products<'a> {
+    pub(super) sources: &'a [Source],
+    /// `[group][row][16]`; read forward, added to by the weight gradient.
+    pub(super) weights: *mut f32,
+    /// Rows of a group's weights.
+    pub(super) rows: usize,
+    /// Groups of results.
+    pub(super) groups: usize,
     /// Tiles, a multiple of [`TILES`].
     pub(super) tiles: usize,
-    /// `[group in][tile][16]`
-    pub(super) inputs: *const f32,
-    /// `[group out][channel in][16]`; read forward, added to by the weight gradient.
-    pub(super) weights: *mut f32,
-    /// `[group out][tile][16]`; written forward, read by the weight gradient.
+    /// `[group][tile][16]`; written forward, read by the weight gradient.
     pub(super) results: *mut f32,
 }
 
-/// results = inputs · weights.
+/// results = sources · weights.
 ///
 /// # Safety
 /// The pointers are good for what the sizes say; the processor has the instructions of `V`.
@@ -34,8 +46,8 @@ pub(in crate::kernel) unsafe fn forward<V: Vector>(products: &Products) {
     let mut group = 0;
     // SAFETY: the caller's word.
     unsafe {
-        while group < products.groups[1] {
-            let count = together::<V>(products.groups[1] - group);
+        while group < products.groups {
+            let count = together::<V>(products.groups - group);
             for tile in (0..products.tiles).step_by(TILES) {
                 match (V::LANES >= GROUP, count) {
                     (true, 3) => rows::<V, 3, 8>(products, group, tile),
@@ -52,7 +64,7 @@ pub(in crate::kernel) unsafe fn forward<V: Vector>(products: &Products) {
     }
 }
 
-/// weights += inputsᵀ · results.
+/// weights += sourcesᵀ · results.
 ///
 /// # Safety
 /// As of [`forward`].
@@ -61,16 +73,18 @@ pub(in crate::kernel) unsafe fn weight_gradient<V: Vector>(products: &Products) 
     let mut group = 0;
     // SAFETY: the caller's word.
     unsafe {
-        while group < products.groups[1] {
-            let count = together::<V>(products.groups[1] - group);
-            for channel in (0..products.groups[0] * GROUP).step_by(8) {
-                match (V::LANES >= GROUP, count) {
-                    (true, 3) => outer::<V, 3, 8>(products, group, channel),
-                    (true, 2) => outer::<V, 2, 8>(products, group, channel),
-                    (true, _) => outer::<V, 1, 8>(products, group, channel),
-                    (false, _) => {
-                        outer::<V, 2, 4>(products, group, channel);
-                        outer::<V, 2, 4>(products, group, channel + 4);
+        while group < products.groups {
+            let count = together::<V>(products.groups - group);
+            for source in products.sources {
+                for channel in (0..source.channels).step_by(8) {
+                    match (V::LANES >= GROUP, count) {
+                        (true, 3) => outer::<V, 3, 8>(products, group, source, channel),
+                        (true, 2) => outer::<V, 2, 8>(products, group, source, channel),
+                        (true, _) => outer::<V, 1, 8>(products, group, source, channel),
+                        (false, _) => {
+                            outer::<V, 2, 4>(products, group, source, channel);
+                            outer::<V, 2, 4>(products, group, source, channel + 4);
+                        }
                     }
                 }
             }
@@ -79,7 +93,7 @@ pub(in crate::kernel) unsafe fn weight_gradient<V: Vector>(products: &Products) 
     }
 }
 
-/// Groups of results that are computed together, of so many that are left: 3 and 2 rather than 3 and 1.
+/// Groups of results that are computed together, of so many that are left: 2 and 2 rather than 3 and 1.
 fn together<V: Vector>(left: usize) -> usize {
     match left {
         _ if V::LANES < GROUP => 1,
@@ -91,43 +105,47 @@ fn together<V: Vector>(left: usize) -> usize {
 /// `N` vectors of results from `group` on, for `ROWS` tiles.
 #[inline(always)]
 unsafe fn rows<V: Vector, const N: usize, const ROWS: usize>(products: &Products, group: usize, tile: usize) {
-    let Products { groups: [groups_in, _], tiles, .. } = *products;
     let parts = GROUP / V::LANES;
     // SAFETY: the caller's word.
     unsafe {
-        let mut weights = [products.weights.cast_const(); N];
-        for n in 0..N {
-            weights[n] = weights[n].add((group + n / parts) * groups_in * GROUP * GROUP + n % parts * V::LANES);
-        }
         let mut sums = [[V::splat(0.0); N]; ROWS];
-        for g in 0..groups_in {
-            let inputs = products.inputs.add((g * tiles + tile) * GROUP);
-            for channel in 0..GROUP {
+        for source in products.sources {
+            let mut weights = [products.weights.cast_const(); N];
+            for n in 0..N {
+                let row = (group + n / parts) * products.rows + source.row;
+                weights[n] = weights[n].add(row * GROUP + n % parts * V::LANES);
+            }
+            let values = source.values.add(tile * GROUP);
+            for channel in 0..source.channels {
                 let mut vectors = [V::splat(0.0); N];
                 for n in 0..N {
-                    vectors[n] = V::load(weights[n].add((g * GROUP + channel) * GROUP));
+                    vectors[n] = V::load(weights[n].add(channel * GROUP));
                 }
                 for t in 0..ROWS {
-                    let input = V::splat(*inputs.add(t * GROUP + channel));
+                    let value = V::splat(*values.add(t * GROUP + channel));
                     for n in 0..N {
-                        sums[t][n] = vectors[n].mul_add(input, sums[t][n]);
+                        sums[t][n] = vectors[n].mul_add(value, sums[t][n]);
                     }
                 }
             }
         }
         for t in 0..ROWS {
             for n in 0..N {
-                let at = ((group + n / parts) * tiles + tile + t) * GROUP + n % parts * V::LANES;
+                let at = ((group + n / parts) * products.tiles + tile + t) * GROUP + n % parts * V::LANES;
                 sums[t][n].store(products.results.add(at));
             }
         }
     }
 }
 
-/// `N` vectors of output channels from `group` on, for `ROWS` input channels: sums over all tiles.
+/// `N` vectors of results from `group` on, for `ROWS` channels of a source: sums over all tiles.
 #[inline(always)]
-unsafe fn outer<V: Vector, const N: usize, const ROWS: usize>(products: &Products, group: usize, channel: usize) {
-    let Products { groups: [groups_in, _], tiles, .. } = *products;
+unsafe fn outer<V: Vector, const N: usize, const ROWS: usize>(
+    products: &Products,
+    group: usize,
+    source: &Source,
+    channel: usize,
+) {
     let parts = GROUP / V::LANES;
     // SAFETY: the caller's word.
     unsafe {
@@ -135,25 +153,26 @@ unsafe fn outer<V: Vector, const N: usize, const ROWS: usize>(products: &Product
         let mut weights = [products.weights; N];
         for n in 0..N {
             let part = n % parts * V::LANES;
-            gradients[n] = gradients[n].add((group + n / parts) * tiles * GROUP + part);
-            weights[n] = weights[n].add(((group + n / parts) * groups_in * GROUP + channel) * GROUP + part);
+            gradients[n] = gradients[n].add((group + n / parts) * products.tiles * GROUP + part);
+            let row = (group + n / parts) * products.rows + source.row + channel;
+            weights[n] = weights[n].add(row * GROUP + part);
         }
-        let inputs = products.inputs.add(channel / GROUP * tiles * GROUP + channel % GROUP);
+        let values = source.values.add(channel);
         let mut sums = [[V::splat(0.0); N]; ROWS];
         for c in 0..ROWS {
             for n in 0..N {
                 sums[c][n] = V::load(weights[n].add(c * GROUP));
             }
         }
-        for tile in 0..tiles {
+        for tile in 0..products.tiles {
             let mut vectors = [V::splat(0.0); N];
             for n in 0..N {
                 vectors[n] = V::load(gradients[n].add(tile * GROUP));
             }
             for c in 0..ROWS {
-                let input = V::splat(*inputs.add(tile * GROUP + c));
+                let value = V::splat(*values.add(tile * GROUP + c));
                 for n in 0..N {
-                    sums[c][n] = vectors[n].mul_add(input, sums[c][n]);
+                    sums[c][n] = vectors[n].mul_add(value, sums[c][n]);
                 }
             }
         }

@@ -2,8 +2,13 @@
 
 #![allow(clippy::needless_range_loop, reason = "closures would be compiled without the function's instructions")]
 
+use rayon::prelude::*;
+
 use super::super::transform::{POINTS, TAPS, WeightGradient, Weights, both};
 use super::GROUP;
+use super::components::Components;
+use crate::kernel::isa::{Isa, on_isa};
+use crate::kernel::padded::SendPtr;
 use crate::kernel::vector::Vector;
 
 /// The weights between one channel and a group of 16 others.
@@ -18,6 +23,62 @@ pub(in crate::kernel) struct GroupWeights {
     pub(super) components: *mut f32,
     /// Values from one component to the next.
     pub(super) step: usize,
+}
+
+/// Room for the components of weights between channels `[from, to]`: a group for 16 of `to`, a "tile" for each of `from`.
+pub(super) fn room([from, to]: [usize; 2]) -> Components {
+    Components::new(to.div_ceil(GROUP), from.next_multiple_of(GROUP))
+}
+
+/// Components of `weights` `[to, from, 9]`.
+pub(super) fn forward(isa: Isa, weights: &[f32], channels: [usize; 2]) -> Components {
+    let components = room(channels);
+    each(&components, weights.as_ptr().cast_mut(), channels, [1, channels[0]], |weights| {
+        on_isa!(isa, winograd_weights(&weights));
+    });
+    components
+}
+
+/// Components of `weights` `[to, from, 9]`, for the way back: groups are of `from`.
+pub(super) fn back(isa: Isa, weights: &[f32], [from, to]: [usize; 2]) -> Components {
+    let components = room([to, from]);
+    each(&components, weights.as_ptr().cast_mut(), [to, from], [from, 1], |weights| {
+        on_isa!(isa, winograd_weights(&weights));
+    });
+    components
+}
+
+/// The weights' gradient `[to, from, 9]` from that of their components.
+pub(super) fn gradient(isa: Isa, components: &Components, channels: [usize; 2]) -> Vec<f32> {
+    let mut weights = vec![0.0; channels[0] * channels[1] * TAPS * TAPS];
+    each(components, weights.as_mut_ptr(), channels, [1, channels[0]], |weights| {
+        on_isa!(isa, winograd_weights_gradient(&weights));
+    });
+    weights
+}
+
+/// All weights between channels `[from, to]`: `taps` has those of a pair of channels `steps` · 9 values apart. Rows of
+/// `components` that are no channel of `from` have no lanes.
+fn each(
+    components: &Components,
+    taps: *mut f32,
+    [from, to]: [usize; 2],
+    steps: [usize; 2],
+    f: impl Fn(GroupWeights) + Sync,
+) {
+    let (rows, count, taps) = (components.tiles, TAPS * TAPS, SendPtr(taps));
+    (0..components.groups * rows).into_par_iter().with_min_len(GROUP).for_each(|i| {
+        let (group, row) = (i / rows, i % rows);
+        let first = (row.min(from - 1) * steps[0] + group * GROUP * steps[1]) * count;
+        f(GroupWeights {
+            // SAFETY: the taps of these two channels; each pair is one task's.
+            taps: unsafe { taps.at(first) },
+            lane_step: steps[1] * count,
+            lanes: if row < from { (to - group * GROUP).min(GROUP) } else { 0 },
+            components: components.at(0, group, row),
+            step: components.step(),
+        });
+    });
 }
 
 /// G w Gᵀ.
