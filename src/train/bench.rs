@@ -42,11 +42,11 @@ pub fn measure(config: &Config) -> Result<Vec<Measured>, TrainError> {
     let losses = Config::preset(crate::config::Preset::Paper).losses;
     let paper = Config { losses, ..config.clone() };
     let batch = random_batch(4, (96, 96), (0..VIEWS).collect());
-    let mut nets = [Checkpoint::new(Arch::Paper, 1), Checkpoint::new(Arch::Occlusion, 1)];
+    let (mut depth, mut occlusion) = (Checkpoint::new(Arch::Paper, 1), Checkpoint::new(Arch::Occlusion, 1));
     let graphs = [Arch::Paper.graph(), Arch::Occlusion.graph()];
     let pixels = 4.0 * 96.0 * 96.0;
     let flop = 3.0 * pixels * (graphs[0].flop_per_pixel() + VIEWS as f64 * graphs[1].flop_per_pixel());
-    let seconds = median(|| step::joint_step(&mut nets, &graphs, &batch, &paper, 0.5).map(|_| ()))?;
+    let seconds = median(|| step::joint_step([&mut depth, &mut occlusion], &graphs, &batch, &paper, 0.5).map(|_| ()))?;
     let mut all = vec![report("joint step of the paper's nets, batch 4, 96x96x8x8", seconds, flop, peak)];
 
     let (width, height) = config.crop[0];

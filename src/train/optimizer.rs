@@ -39,9 +39,10 @@ impl AdamW {
 
     /// One step along `gradients` (array, values); returns the gradient's norm before it is clipped.
     pub fn step(&mut self, weights: &mut Weights, gradients: &[(usize, Vec<f32>)], step: Step) -> f32 {
-        let norm =
-            gradients.iter().map(|(_, g)| g.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>()).sum::<f64>().sqrt()
-                as f32;
+        let squares = |piece: &[f32]| piece.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
+        // Collected before they are added up, so that the sum does not depend on the threads.
+        let pieces: Vec<f64> = gradients.par_iter().flat_map(|(_, g)| g.par_chunks(8192).map(squares)).collect();
+        let norm = pieces.iter().sum::<f64>().sqrt() as f32;
         if !norm.is_finite() {
             return norm;
         }

@@ -122,10 +122,7 @@ impl Nets {
             }
             (Stage::Joint, Some(depth), Some(occlusion)) => {
                 let graphs: [Graph; 2] = [depth.arch.graph(), occlusion.arch.graph()];
-                let mut nets = [depth.clone(), occlusion.clone()];
-                let report = step::joint_step(&mut nets, &graphs, batch, config, done)?;
-                [*depth, *occlusion] = nets;
-                Ok(report)
+                step::joint_step([depth, occlusion], &graphs, batch, config, done)
             }
             _ => Err(TrainError::Missing { name: "net of this stage".into() }),
         }

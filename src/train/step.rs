@@ -10,7 +10,7 @@ use crate::batch::Batch;
 use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
 use crate::loss::{self, Maps};
-use crate::nets::{Graph, Mode, Tape, Weights, values};
+use crate::nets::{Graph, Mode, Tape, Weights, values, zeros};
 use crate::ops::Path;
 use crate::optimizer::Step;
 use crate::scenes::steps;
@@ -34,7 +34,7 @@ const UNIT_SIDE_PX: f32 = 288.0;
 /// All losses of a batch of predicted ray depths, and their weighed gradient.
 pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
     let maps = &batch.maps;
-    let mut gradient = vec![0.0; depth.len()];
+    let mut gradient = zeros(depth.len());
     let g = &mut gradient[..];
     let truth = &batch.truth[..];
     let small = maps.width.max(maps.height) as f32 / UNIT_SIDE_PX;
@@ -58,7 +58,8 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
     }
     if weights.w_affine > 0.0 {
         let size = maps.views.len() * maps.plane();
-        let fits: Vec<_> = depth.chunks(size).zip(truth.chunks(size)).map(|(d, t)| loss::affine_fit(d, t)).collect();
+        let samples = depth.par_chunks(size).zip(truth.par_chunks(size));
+        let fits: Vec<_> = samples.map(|(d, t)| loss::affine_fit(d, t)).collect();
         parts.insert(
             "affine",
             loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
@@ -118,14 +119,13 @@ pub fn depth_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let weights = net.weights.clone();
-    let mut tape = Tape::new(&weights, Mode::Train, path(config));
+    let mut tape = Tape::new(&net.weights, Mode::Train, path(config));
     let y = predict(&mut tape, graph, batch)?;
     let depth = values(y.clone());
     let (parts, gradient) = depth_losses(batch, &depth, &config.losses);
     let gradients = with_gradient(&tape, y, gradient).backward();
     let (mut gradients, statistics) = tape.finish_step(&gradients);
-    share_rows(&weights, &mut gradients, &batch.maps.views);
+    share_rows(&net.weights, &mut gradients, &batch.maps.views);
     let norm = update(net, config, done, &gradients, &statistics);
     Ok(Report { parts, norm })
 }
@@ -207,8 +207,7 @@ pub fn occlusion_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let weights = net.weights.clone();
-    let mut tape = Tape::new(&weights, Mode::Train, path(config));
+    let mut tape = Tape::new(&net.weights, Mode::Train, path(config));
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, depth);
     let residual = tape.run3(graph, x)?;
@@ -222,15 +221,15 @@ pub fn occlusion_step(
 /// `[n, 4, v, h, w]`: the rendered views in −1 … 1, then their ray depths.
 fn occlusion_input(tape: &Tape<'_>, maps: &Maps, rendered: &[f32], depth: &[f32]) -> Tensor<5> {
     let (p, nv) = (maps.plane(), maps.views.len());
-    let mut input = Vec::with_capacity(4 * maps.len());
-    for n in 0..maps.samples {
-        for c in 0..3 {
-            for v in 0..nv {
-                input.extend(rendered[((n * nv + v) * 3 + c) * p..][..p].iter().map(|v| 2.0 * v - 1.0));
-            }
+    let mut input = zeros(4 * maps.len());
+    input.par_chunks_mut(p).enumerate().for_each(|(plane, input)| {
+        let (n, c, v) = (plane / (4 * nv), plane / nv % 4, plane % nv);
+        if c == 3 {
+            return input.copy_from_slice(&depth[(n * nv + v) * p..][..p]);
         }
-        input.extend(&depth[n * nv * p..][..nv * p]);
-    }
+        let view = &rendered[((n * nv + v) * 3 + c) * p..][..p];
+        input.iter_mut().zip(view).for_each(|(input, value)| *input = 2.0 * value - 1.0);
+    });
     tape.input(input, [maps.samples, 4, nv, maps.height, maps.width])
 }
 
@@ -240,23 +239,31 @@ fn occlusion_input(tape: &Tape<'_>, maps: &Maps, rendered: &[f32], depth: &[f32]
 fn occlusion_loss(batch: &Batch, rendered: &[f32], residual: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
     let (p, nv) = (batch.maps.plane(), batch.maps.views.len());
     let ends = ends_of_rays(batch);
-    let mut gradient = vec![0.0; residual.len()];
-    let mut sums = [[0.0f64; 2]; 2];
-    for (i, g) in gradient.iter_mut().enumerate() {
-        let (n, c, v) = (i / (3 * nv * p), i / (nv * p) % 3, i / p % nv);
-        let at = ((n * nv + v) * 3 + c) * p + i % p;
-        let end = ends[(n * nv + v) * p + i % p];
-        let without = rendered[at] - batch.views[at];
-        let with = without + 0.5 * residual[i];
-        let of = &mut sums[usize::from(end == RayEnd::Hidden)];
-        *of = [of[0] + f64::from(with.abs()), of[1] + f64::from(without.abs())];
-        let weight = match end {
-            RayEnd::Seen => 1.0,
-            RayEnd::Hidden => weights.w_hidden,
-            RayEnd::Outside => weights.w_outside,
-        };
-        *g = if with == 0.0 { 0.0 } else { weight * with.signum() / residual.len() as f32 };
-    }
+    let mut gradient = zeros(residual.len());
+    let of_plane = |(plane, (gradient, residuals)): (usize, (&mut [f32], &[f32]))| {
+        let (n, c, v) = (plane / (3 * nv), plane / nv % 3, plane % nv);
+        let at = ((n * nv + v) * 3 + c) * p;
+        let (rendered, view, ends) = (&rendered[at..][..p], &batch.views[at..][..p], &ends[(n * nv + v) * p..][..p]);
+        let mut sums = [[0.0f64; 2]; 2];
+        for (i, g) in gradient.iter_mut().enumerate() {
+            let without = rendered[i] - view[i];
+            let with = without + 0.5 * residuals[i];
+            let of = &mut sums[usize::from(ends[i] == RayEnd::Hidden)];
+            *of = [of[0] + f64::from(with.abs()), of[1] + f64::from(without.abs())];
+            let weight = match ends[i] {
+                RayEnd::Seen => 1.0,
+                RayEnd::Hidden => weights.w_hidden,
+                RayEnd::Outside => weights.w_outside,
+            };
+            *g = if with == 0.0 { 0.0 } else { weight * with.signum() / residual.len() as f32 };
+        }
+        sums
+    };
+    let planes = gradient.par_chunks_mut(p).zip(residual.par_chunks(p)).enumerate().map(of_plane);
+    let sums = planes
+        .collect::<Vec<_>>()
+        .into_iter()
+        .fold([[0.0f64; 2]; 2], |a, b| [0, 1].map(|end| [0, 1].map(|which| a[end][which] + b[end][which])));
     let [rest, hidden] = sums;
     let hidden_count = 3 * ends.iter().filter(|&&end| end == RayEnd::Hidden).count();
     let mean = |sum: f64, count: usize| (sum / count.max(1) as f64) as f32;
@@ -283,20 +290,18 @@ fn ends_of_rays(batch: &Batch) -> Vec<RayEnd> {
 /// A step of both nets as the paper does: ‖L_r − L‖₁ + ‖L̂ − L‖₁ + λ_c ψ_c + λ_tv ψ_tv. The ray depths enter the
 /// occlusion net with their gradient stopped; the rendered views do not.
 pub fn joint_step(
-    nets: &mut [Checkpoint; 2],
+    [depth_net, occlusion_net]: [&mut Checkpoint; 2],
     graphs: &[Graph; 2],
     batch: &Batch,
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let [depth_net, occlusion_net] = nets;
-    let (depth_weights, occlusion_weights) = (depth_net.weights.clone(), occlusion_net.weights.clone());
-    let mut depth_tape = Tape::new(&depth_weights, Mode::Train, path(config));
+    let mut depth_tape = Tape::new(&depth_net.weights, Mode::Train, path(config));
     let y = predict(&mut depth_tape, &graphs[0], batch)?;
     let depth = values(y.clone());
     let (mut parts, mut gradient) = depth_losses(batch, &depth, &config.losses);
 
-    let mut tape = Tape::new(&occlusion_weights, Mode::Train, path(config));
+    let mut tape = Tape::new(&occlusion_net.weights, Mode::Train, path(config));
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), &depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, &depth).require_grad();
     let residual = tape.run3(&graphs[1], x.clone())?;
@@ -319,12 +324,15 @@ pub fn joint_step(
 /// residual, which is in −1 … 1) and through the net's input, whose depth channel is left out.
 fn gradient_of_views(maps: &Maps, to_residual: &[f32], through_net: &[f32]) -> Vec<f32> {
     let (p, nv) = (maps.plane(), maps.views.len());
-    let mut to_views = vec![0.0; to_residual.len()];
-    for (i, direct) in to_residual.iter().enumerate() {
-        let (n, c, v) = (i / (3 * nv * p), i / (nv * p) % 3, i / p % nv);
-        let input = ((n * 4 + c) * nv + v) * p + i % p;
-        to_views[((n * nv + v) * 3 + c) * p + i % p] = 2.0 * (direct + through_net[input]);
-    }
+    let mut to_views = zeros(to_residual.len());
+    to_views.par_chunks_mut(p).enumerate().for_each(|(plane, to_view)| {
+        let (n, v, c) = (plane / (3 * nv), plane / 3 % nv, plane % 3);
+        let direct = &to_residual[((n * 3 + c) * nv + v) * p..][..p];
+        let through = &through_net[((n * 4 + c) * nv + v) * p..][..p];
+        for (to, (direct, through)) in to_view.iter_mut().zip(direct.iter().zip(through)) {
+            *to = 2.0 * (direct + through);
+        }
+    });
     to_views
 }
 

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Maps, sign};
+use crate::nets::zeros;
 use crate::scenes::steps;
 use crate::warp::{sample, tap};
 
@@ -51,7 +52,7 @@ pub fn photometric(
 /// The Lambertian views L_r(x, u) = L(x + u·D(x, u), 0): `[n, v, 3, h, w]`.
 pub fn rendered_views(maps: &Maps, photos: &[f32], depth: &[f32]) -> Vec<f32> {
     let (w, h, p, nv) = (maps.width, maps.height, maps.plane(), maps.views.len());
-    let mut out = vec![0.0; 3 * maps.len()];
+    let mut out = zeros(3 * maps.len());
     (out.par_chunks_mut(3 * p), depth.par_chunks(p)).into_par_iter().enumerate().for_each(|(map, (out, d))| {
         let photo = &photos[map / nv * 3 * p..][..3 * p];
         let (du, dv) = steps(maps.views[map % nv]);

@@ -1,6 +1,7 @@
 //! Runs a graph on burn's tensors.
 
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
+use rayon::prelude::*;
 
 use super::{Conv, End, Graph, Node, Tensor32, Weights};
 use crate::TrainError;
@@ -176,7 +177,13 @@ impl<'a> Tape<'a> {
 
 /// A tensor's values, the last axis fastest.
 pub fn values<const D: usize>(tensor: Tensor<D>) -> Vec<f32> {
-    tensor.into_data().iter::<f32>().collect()
+    let data = tensor.into_data();
+    data.try_into_vec().expect("all our tensors are f32")
+}
+
+/// So many zeros, set by all threads.
+pub fn zeros(n: usize) -> Vec<f32> {
+    (0..n).into_par_iter().with_min_len(1 << 16).map(|_| 0.0).collect()
 }
 
 impl Weights {

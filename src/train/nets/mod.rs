@@ -7,7 +7,7 @@ mod weights;
 
 use serde::{Deserialize, Serialize};
 
-pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, values};
+pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, values, zeros};
 pub use weights::{Tensor32, Weights};
 
 use crate::TrainError;

@@ -5,6 +5,8 @@ use burn::backend::flex::FlexTensor;
 use burn::tensor::TensorData;
 use rayon::prelude::*;
 
+use crate::nets::zeros;
+
 pub(super) fn make(values: Vec<f32>, shape: &[usize]) -> FlexTensor {
     FlexTensor::from_data(TensorData::new(values, shape.to_vec()))
 }
@@ -25,11 +27,11 @@ pub(super) fn slice(tensor: &FlexTensor) -> &[f32] {
 
 pub(super) fn pool_forward(x: &FlexTensor) -> FlexTensor {
     let [n, c, h, w] = four(&dims(x));
-    let mut y = vec![0.0; n * c * (h / 2) * (w / 2)];
+    let mut y = zeros(n * c * (h / 2) * (w / 2));
     y.par_chunks_mut(w / 2).enumerate().for_each(|(row, y)| {
         let (top, bottom) = slice(x)[row * 2 * w..][..2 * w].split_at(w);
-        for (i, y) in y.iter_mut().enumerate() {
-            *y = 0.25 * (top[2 * i] + top[2 * i + 1] + bottom[2 * i] + bottom[2 * i + 1]);
+        for (y, (top, bottom)) in y.iter_mut().zip(top.chunks_exact(2).zip(bottom.chunks_exact(2))) {
+            *y = 0.25 * (top[0] + top[1] + bottom[0] + bottom[1]);
         }
     });
     make(y, &[n, c, h / 2, w / 2])
@@ -37,10 +39,10 @@ pub(super) fn pool_forward(x: &FlexTensor) -> FlexTensor {
 
 pub(super) fn pool_backward(gy: &[f32], shape: &[usize]) -> Vec<f32> {
     let [n, c, h, w] = four(shape);
-    let mut gx = vec![0.0; n * c * h * w];
+    let mut gx = zeros(n * c * h * w);
     gx.par_chunks_mut(2 * w).zip(gy.par_chunks(w / 2)).for_each(|(gx, gy)| {
-        for (i, gx) in gx.iter_mut().enumerate() {
-            *gx = 0.25 * gy[i % w / 2];
+        for row in gx.chunks_exact_mut(w) {
+            row.chunks_exact_mut(2).zip(gy).for_each(|(pair, gy)| pair.fill(0.25 * gy));
         }
     });
     gx
@@ -49,7 +51,7 @@ pub(super) fn pool_backward(gy: &[f32], shape: &[usize]) -> Vec<f32> {
 pub(super) fn up_forward(low: &FlexTensor, skip: &FlexTensor) -> FlexTensor {
     let ([n, a, _, _], [_, b, h, w]) = (four(&dims(low)), four(&dims(skip)));
     let plane = h * w;
-    let mut y = vec![0.0; n * (a + b) * plane];
+    let mut y = zeros(n * (a + b) * plane);
     y.par_chunks_mut(plane).enumerate().for_each(|(map, y)| {
         let (sample, channel) = (map / (a + b), map % (a + b));
         if channel >= a {
@@ -59,7 +61,7 @@ pub(super) fn up_forward(low: &FlexTensor, skip: &FlexTensor) -> FlexTensor {
         let small = &slice(low)[(sample * a + channel) * plane / 4..][..plane / 4];
         for (row, y) in y.chunks_mut(w).enumerate() {
             let small = &small[row / 2 * (w / 2)..][..w / 2];
-            y.chunks_mut(2).zip(small).for_each(|(pair, value)| pair.fill(*value));
+            y.chunks_exact_mut(2).zip(small).for_each(|(pair, value)| pair.fill(*value));
         }
     });
     make(y, &[n, a + b, h, w])
@@ -70,17 +72,17 @@ pub(super) fn up_backward(gy: &[f32], low: &[usize], skip: &[usize]) -> (Vec<f32
     let ([n, a, _, _], [_, b, h, w]) = (four(low), four(skip));
     let plane = h * w;
     let of = |sample: usize, channel: usize| &gy[(sample * (a + b) + channel) * plane..][..plane];
-    let mut to_low = vec![0.0; n * a * plane / 4];
+    let mut to_low = zeros(n * a * plane / 4);
     to_low.par_chunks_mut(plane / 4).enumerate().for_each(|(map, to)| {
         let from = of(map / a, map % a);
         for (row, to) in to.chunks_mut(w / 2).enumerate() {
             let (top, bottom) = from[row * 2 * w..][..2 * w].split_at(w);
-            for (i, to) in to.iter_mut().enumerate() {
-                *to = top[2 * i] + top[2 * i + 1] + bottom[2 * i] + bottom[2 * i + 1];
+            for (to, (top, bottom)) in to.iter_mut().zip(top.chunks_exact(2).zip(bottom.chunks_exact(2))) {
+                *to = top[0] + top[1] + bottom[0] + bottom[1];
             }
         }
     });
-    let mut to_skip = vec![0.0; n * b * plane];
+    let mut to_skip = zeros(n * b * plane);
     to_skip.par_chunks_mut(plane).enumerate().for_each(|(map, to)| to.copy_from_slice(of(map / b, a + map % b)));
     (to_low, to_skip)
 }
