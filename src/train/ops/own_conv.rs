@@ -106,12 +106,9 @@ fn tensors(gradients: Gradients, weight: &FlexTensor, x: &FlexTensor) -> [Option
 }
 
 pub(super) fn elu_forward(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, how: Norm) -> FlexTensor {
-    let (x, weight, bias) = (contiguous(x), contiguous(weight), contiguous(bias));
+    let (x, weight) = (contiguous(x), contiguous(weight));
     let conv = conv_of(&dims(&x), &dims(&weight), how.dilation);
-    let (padded, packed) = (conv.pad_input(slice(&x)), conv.pack(slice(&weight)));
-    // Without a cancel flag nothing is ever cancelled.
-    let y = conv.forward(&padded, &packed, Some(slice(&bias)), Activation::Elu, None).unwrap_or_default();
-    make(y, &out_shape(&dims(&x), conv.shape().channels_out))
+    biased(&conv, [&x, &weight, &contiguous(bias)], 1.0, Activation::Elu)
 }
 
 pub(super) fn tanh_forward(
@@ -120,17 +117,23 @@ pub(super) fn tanh_forward(
     bias: FlexTensor,
     end: ConvTanh,
 ) -> (FlexTensor, SavedTanh) {
-    let (x, weight, bias) = (contiguous(x), contiguous(weight), contiguous(bias));
+    let (x, weight) = (contiguous(x), contiguous(weight));
     let conv = conv_of(&dims(&x), &dims(&weight), end.dilation);
-    let (mut y, _) = conv.step(slice(&x), slice(&weight));
+    let activation = Activation::Tanh { scale: end.scale };
+    let y = biased(&conv, [&x, &weight, &contiguous(bias)], end.scale, activation);
+    (y.clone(), SavedTanh { conv, x, y, weight, scale: end.scale })
+}
+
+/// `activation((w ∗ x + bias) / scale)`.
+fn biased(conv: &Conv, [x, weight, bias]: [&FlexTensor; 3], scale: f32, activation: Activation) -> FlexTensor {
+    let (mut y, _) = conv.step(slice(x), slice(weight));
     let (plane, channels) = (conv.shape().plane(), conv.shape().channels_out);
     y.par_chunks_mut(plane).enumerate().for_each(|(i, plane)| {
-        let bias = slice(&bias)[i % channels];
-        plane.iter_mut().for_each(|z| *z = (*z + bias) / end.scale);
-        norm::activate(Isa::best(), plane, Activation::Tanh { scale: end.scale });
+        let bias = slice(bias)[i % channels];
+        plane.iter_mut().for_each(|z| *z = (*z + bias) / scale);
+        norm::activate(Isa::best(), plane, activation);
     });
-    let y = make(y, &out_shape(&dims(&x), channels));
-    (y.clone(), SavedTanh { conv, x, y, weight, scale: end.scale })
+    make(y, &out_shape(&dims(x), channels))
 }
 
 /// Gradients of input (if wanted), weights and bias.

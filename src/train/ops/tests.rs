@@ -94,10 +94,14 @@ fn convolution_with_tanh_is_burns() {
 #[test]
 fn a_normalised_convolution_of_inference_is_burns() {
     let run = |path| {
-        let norm = [random(3, [8]), random(4, [8]), random(5, [8]), random(6, [8]).abs()];
-        values(conv_folded_elu(random(1, [1, 4, 3, 10, 12]), random(2, [8, 4, 3, 3, 3]), norm, 1, path))
+        let norm = |n| [random(3, [n]), random(4, [n]), random(5, [n]), random(6, [n]).abs()];
+        let volume = conv_folded_elu(random(1, [1, 4, 3, 10, 12]), random(2, [8, 4, 3, 3, 3]), norm(8), 1, path);
+        let plane = conv_folded_elu(random(1, [2, 24, 10, 12]), random(2, [40, 24, 3, 3]), norm(40), 2, path);
+        [values(volume), values(plane)]
     };
-    same("conv_folded_elu", &run(Path::Own), &run(Path::Stock));
+    for (a, b) in run(Path::Own).iter().zip(&run(Path::Stock)) {
+        same("conv_folded_elu", a, b);
+    }
 }
 
 #[test]
