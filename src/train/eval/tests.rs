@@ -2,8 +2,8 @@
 
 use super::metrics::{correlation, l1, psnr, spearman, ssim, within_rows};
 use super::*;
+use crate::rng::Rng;
 use crate::scenes::raster::Raster;
-use crate::scenes::rng::Rng;
 use crate::scenes::{REFERENCE, steps};
 
 /// Soft random texture.
@@ -129,6 +129,17 @@ fn subjects_in_front_and_edges_are_told() {
     let inverse: Vec<f32> = near.px.iter().map(|d| -d).collect();
     assert_eq!(photos::aligned(&mask, &inverse), Some(0.0));
     assert!(photos::step(&mask, &inverse).unwrap() < 0.0);
+}
+
+#[test]
+fn a_frame_of_wrong_depth_is_told() {
+    let size = [90, 60];
+    let slope = Raster::from_fn(size, |x, y| 0.01 * (x + y) as f32);
+    assert!((photos::border_slope(&slope.px, size).unwrap() - 1.0).abs() < 1e-3);
+    let inner = |x: usize, y: usize| (4..86).contains(&x) && (4..56).contains(&y);
+    let framed = Raster::from_fn(size, |x, y| slope.at(x, y) + if inner(x, y) { 0.0 } else { 0.5 });
+    assert!(photos::border_slope(&framed.px, size).unwrap() > 3.0);
+    assert_eq!(photos::border_slope(&[0.0; 90 * 60], size), None);
 }
 
 #[test]

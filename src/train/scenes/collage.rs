@@ -6,8 +6,8 @@ use super::lifted::{covered, premultiplied};
 use super::place::{Canvas, Place, Tone, ground};
 use super::plants::{blades, leaves};
 use super::raster::Raster;
-use super::rng::Rng;
 use super::{FOCAL_NEARNESS, Kind, Sample, Source, add_noise, render};
+use crate::rng::Rng;
 
 /// A cut-out as it lies on a canvas.
 struct Sprite {
@@ -46,6 +46,19 @@ impl Source {
         Sample { size: crop, views, rgb, disparity, subject: None, yx: place.yx, kind: Kind::Collage, origin }
     }
 
+    /// Puts another photo's subject before everything that it covers, wherever that lies in the picture.
+    pub(super) fn add_guest(&self, rng: &mut Rng, canvas: &Canvas, scene: &mut Scene) {
+        let picture = self.masked_picture(rng, canvas.size);
+        let size = rng.range(0.2, 1.0);
+        let Some(sprite) = sprite(rng, picture, canvas, size) else { return };
+        let apart = rng.range(0.05, 0.35) * canvas.range_px;
+        let Some(under) = nearest_under(scene, &sprite.alpha.map(|a| a / 255.0)) else { return };
+        let near = (under + apart).min(canvas.disparity(1.15));
+        let rgba = premultiplied(&Tone::random(rng).apply(&sprite.rgb), &sprite.alpha);
+        let disparity = sprite.dome.map(|dome| near + 0.1 * canvas.range_px * dome / 255.0);
+        scene.layers.push(Layer { bounds: covered(&rgba), rgba, disparity, rough: false });
+    }
+
     /// A photo without its subject on a ground that stays behind `nearest`; values 0 … 255.
     fn backdrop(&self, rng: &mut Rng, back: &Picture, place: &Place, canvas: &Canvas, nearest: f32) -> Layer {
         let full = canvas.full();
@@ -73,6 +86,15 @@ impl Source {
         let tone = Tone::random(rng);
         (premultiplied(&tone.apply(&sprite.rgb), &sprite.alpha), sprite.dome.px.iter().map(|d| d / 255.0).collect())
     }
+}
+
+/// The largest disparity that a scene has under a coverage.
+fn nearest_under(scene: &Scene, alpha: &Raster<f32>) -> Option<f32> {
+    let covered = || alpha.px.iter().enumerate().filter(|(_, a)| **a > 0.5).map(|(i, _)| i);
+    let of = |layer: &Layer| {
+        covered().filter(|&i| layer.rgba.px[i][3] > 0.5).map(|i| layer.disparity.px[i]).reduce(f32::max)
+    };
+    scene.layers.iter().filter_map(of).reduce(f32::max)
 }
 
 /// A photo's subject, scaled, turned and put anywhere; nearer ones larger.

@@ -4,7 +4,7 @@ use super::library::{Picture, byte_from_nearness, nearness_from_byte, to_u8};
 use super::raster::{Raster, distance_inside, push_pull};
 
 /// Least nearness by which a subject stands before what is just behind it.
-const STEP: f32 = 0.12;
+const STEP: f32 = 0.2;
 
 /// The two layers of a masked photo, all of the photo's size.
 pub struct Cutout {

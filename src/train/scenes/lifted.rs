@@ -5,8 +5,11 @@ use super::layer::{Layer, Scene};
 use super::library::{Picture, nearness_from_byte};
 use super::place::{Canvas, Place, Tone, ground};
 use super::raster::Raster;
-use super::rng::Rng;
 use super::{Kind, Sample, Source, add_noise, render};
+use crate::rng::Rng;
+
+/// The share of lifted maps before which a cut-out of another photo is put.
+const GUESTS: f32 = 0.35;
 
 /// Colours of a raster premultiplied by a coverage of 0 … 255.
 pub fn premultiplied(rgb: &Raster<[f32; 3]>, alpha: &Raster<f32>) -> Raster<[f32; 4]> {
@@ -74,14 +77,12 @@ pub fn plain(picture: &Picture, size: [usize; 2], views: Vec<usize>, range_px: f
     let full = canvas.full();
     let tone = Tone::plain();
     let Some(cutout) = picture.cutout() else {
-        let back = Raster::from_fn(full, |_, y| canvas.disparity(0.05 + 0.4 * place.row(y).powf(1.5)));
+        let back = low_ground(&place, full).map(|&z| canvas.disparity(z));
         let layers = vec![Layer::whole(tone.apply(&place.fill(&picture.rgb, full)), back, false)];
         return sample(&Scene { layers, margin: canvas.margin, size }, views, &place, Kind::Lifted, &picture.id);
     };
-    let front = place.fill(&cutout.subject().dome, full).map(|&dome| 0.82 + 0.18 * dome / 255.0);
-    let back = Raster::from_fn(full, |_, y| 0.05 + 0.4 * place.row(y).powf(1.5));
     let behind = tone.apply(&place.fill(&cutout.behind, full));
-    let depths = Depths { back, front, rough: false };
+    let depths = usual_depths(&place, cutout, full);
     let scene = two_layers(&canvas, &place, cutout, &depths, behind, &tone);
     let mut sample = sample(&scene, views, &place, Kind::Lifted, &picture.id);
     sample.subject = Some(subject(&canvas, &place, cutout));
@@ -128,7 +129,7 @@ impl Source {
         let full = canvas.full();
         let tone = if self.config.augment { Tone::random(rng) } else { Tone::plain() };
         let cutout = picture.cutout();
-        let scene = match cutout.and_then(|cutout| cutout.nearness.as_ref().map(|maps| (cutout, maps))) {
+        let mut scene = match cutout.and_then(|cutout| cutout.nearness.as_ref().map(|maps| (cutout, maps))) {
             Some((cutout, [front, back])) => {
                 let [front, back] = [front, back].map(|map| placed_nearness(map, &place, full));
                 let behind = tone.apply(&place.fill(&cutout.behind, full));
@@ -141,6 +142,9 @@ impl Source {
                 Scene { layers: vec![Layer::whole(rgb, map, true)], margin: canvas.margin, size: crop }
             }
         };
+        if self.config.augment && rng.chance(GUESTS) {
+            self.add_guest(rng, &canvas, &mut scene);
+        }
         let mut sample = sample(&scene, views, &place, Kind::Pseudo, &picture.id);
         if self.config.augment {
             add_noise(rng, &mut sample.rgb, &self.config);
@@ -150,8 +154,23 @@ impl Source {
     }
 }
 
-/// Depths drawn by chance: a ground or wall, and a domed subject before it.
+/// Ground that rises towards the picture's bottom and stays far behind a subject.
+fn low_ground(place: &Place, full: [usize; 2]) -> Raster<f32> {
+    Raster::from_fn(full, |_, y| 0.05 + 0.4 * place.row(y).powf(1.5))
+}
+
+/// A domed subject at the focal plane before a low ground.
+fn usual_depths(place: &Place, cutout: &Cutout, full: [usize; 2]) -> Depths {
+    let front = place.fill(&cutout.subject().dome, full).map(|&dome| 0.82 + 0.18 * dome / 255.0);
+    Depths { back: low_ground(place, full), front, rough: false }
+}
+
+/// Mostly the usual depths: what a photo cannot tell, a net can only learn where it is always the same. Else drawn by
+/// chance: a ground or wall, and a domed subject before it.
 fn chosen_depths(rng: &mut Rng, place: &Place, cutout: &Cutout, full: [usize; 2]) -> Depths {
+    if rng.chance(0.75) {
+        return usual_depths(place, cutout, full);
+    }
     let (base, height) = (rng.range(0.65, 0.9), rng.range(0.05, 0.25));
     let front = place.fill(&cutout.subject().dome, full).map(|&dome| base + height * dome / 255.0);
     let mut back = ground(rng, place, full);

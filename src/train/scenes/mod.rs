@@ -8,7 +8,8 @@
 //! * **Collage**: one photo's background, cut-outs of others, blades, stems and leaves at sorted depths, each blurred
 //!   by its distance from the focal plane. The ground may rise in any direction, subjects may hang anywhere: this is
 //!   what keeps a net from believing that lower is always nearer.
-//! * **Pseudo**: a nearness map lifted to ray depths of all views, by following each ray to its first crossing.
+//! * **Pseudo**: a nearness map lifted to ray depths of all views, by following each ray to its first crossing. Before
+//!   every third one stands a cut-out of another photo, anywhere: what stands out is near, wherever it is.
 //! * **Real**: crops of real light fields, without ray depths.
 //!
 //! Nearness 0 … 1 becomes a disparity of `range · (nearness − 0.85)` with a range of 1.2 px per view step at a long
@@ -24,7 +25,6 @@ mod place;
 mod plants;
 pub mod raster;
 mod real;
-pub mod rng;
 pub mod write;
 
 #[cfg(test)]
@@ -35,11 +35,11 @@ use std::path::PathBuf;
 use plenoscope::field::ViewGrid;
 use serde::{Deserialize, Serialize};
 
+use crate::rng::Rng;
 pub use error::SceneError;
 use layer::Scene;
 pub use library::{Library, Picture, VALIDATION_LIGHT_FIELDS, read_rgb};
 use place::{Canvas, Place};
-use rng::Rng;
 
 /// Layer of the reference view (4, 4).
 pub const REFERENCE: usize = 36;

@@ -1,7 +1,7 @@
 //! Where a photo lies on a canvas: crop, zoom, flip, a slight turn, and its colours.
 
 use super::raster::{Raster, Texel};
-use super::rng::Rng;
+use crate::rng::Rng;
 
 /// The picture to be made, and room around it for views to look into.
 #[derive(Clone, Copy)]
@@ -65,22 +65,24 @@ impl Place {
         }
     }
 
-    /// Mostly nearly the whole picture (nets need to see it), sometimes a part; flipped or not; turned a little.
+    /// Nearly the whole picture (nets need to see it), or a part; flipped or not; turned and stretched a little.
     pub fn random(rng: &mut Rng, picture: [usize; 2], canvas: &Canvas, long_side: usize) -> Self {
         let [w, h] = canvas.size.map(|side| side as f32);
         let [pw, ph] = picture.map(|side| side as f32);
-        let zoom = if rng.chance(0.65) { rng.range(1.0, 1.1) } else { rng.range(1.1, 1.45) };
-        let scale = (zoom * long_side as f32 / pw.max(ph)).max(w / pw).max(h / ph);
-        let whole = [pw * scale, ph * scale];
+        let zoom = if rng.chance(0.55) { rng.range(1.0, 1.1) } else { rng.range(1.1, 1.6) };
+        let stretch = if rng.chance(0.5) { rng.range(-0.12, 0.12).exp() } else { 1.0 };
+        let scale = zoom * long_side as f32 / pw.max(ph);
+        let scale = [(scale * stretch).max(w / pw), (scale / stretch).max(h / ph)];
+        let whole = [pw * scale[0], ph * scale[1]];
         let left = rng.unit() * (whole[0] - w).max(0.0);
         let top = rng.unit() * (whole[1] - h).max(0.0);
         let flip = if rng.chance(0.5) { -1.0 } else { 1.0 };
-        let angle = if rng.chance(0.3) { rng.range(-0.07, 0.07) } else { 0.0 };
+        let angle = if rng.chance(0.3) { rng.range(-0.1, 0.1) } else { 0.0 };
         let (sin, cos) = f32::sin_cos(angle);
-        let axes = [[flip * cos / scale, sin / scale], [-flip * sin / scale, cos / scale]];
+        let axes = [[flip * cos / scale[0], sin / scale[1]], [-flip * sin / scale[0], cos / scale[1]]];
         // The crop's middle, in source pixels; the flipped picture is mirrored as a whole.
-        let middle_x = (left + w / 2.0) / scale;
-        let middle = [if flip < 0.0 { pw - middle_x } else { middle_x } - 0.5, (top + h / 2.0) / scale - 0.5];
+        let middle_x = (left + w / 2.0) / scale[0];
+        let middle = [if flip < 0.0 { pw - middle_x } else { middle_x } - 0.5, (top + h / 2.0) / scale[1] - 0.5];
         let back = [w, h].map(|side| canvas.margin as f32 + (side - 1.0) / 2.0);
         let origin = [0, 1].map(|i| middle[i] - back[0] * axes[0][i] - back[1] * axes[1][i]);
         let along = |at: f32, all: f32| 2.0 * at / (all - 1.0).max(1.0) - 1.0;
@@ -135,24 +137,28 @@ impl Place {
 pub struct Tone {
     /// Values 0 … 255 in quarters.
     tables: [Vec<f32>; 3],
+    /// 0 is grey, 1 leaves colours as they are.
+    saturation: f32,
 }
 
 impl Tone {
     /// Colours as they are.
     pub fn plain() -> Self {
-        Self::new(1.0, [1.0; 3])
+        Self::new(1.0, [1.0; 3], 1.0)
     }
 
-    /// Gamma 0.7 … 1.3, channels 0.8 … 1.2.
+    /// Gamma 0.7 … 1.3, channels 0.8 … 1.2, pale to strong colours, sometimes none.
     pub fn random(rng: &mut Rng) -> Self {
         let gamma = rng.range(0.7, 1.3);
         let light = rng.range(0.85, 1.15);
-        Self::new(gamma, std::array::from_fn(|_| light * rng.range(0.9, 1.1)))
+        let gains = std::array::from_fn(|_| light * rng.range(0.9, 1.1));
+        let saturation = if rng.chance(0.06) { 0.0 } else { rng.range(0.5, 1.4) };
+        Self::new(gamma, gains, saturation)
     }
 
-    fn new(gamma: f32, gains: [f32; 3]) -> Self {
+    fn new(gamma: f32, gains: [f32; 3], saturation: f32) -> Self {
         let value = |i: usize| (i as f32 / 1020.0).powf(gamma);
-        Self { tables: gains.map(|gain| (0..=1020).map(|i| (gain * value(i)).min(1.0)).collect()) }
+        Self { tables: gains.map(|gain| (0..=1020).map(|i| (gain * value(i)).min(1.0)).collect()), saturation }
     }
 
     /// Colours 0 … 255 to 0 … 1.
@@ -162,7 +168,9 @@ impl Tone {
 
     /// One colour 0 … 255 to 0 … 1.
     pub fn texel(&self, texel: [f32; 3]) -> [f32; 3] {
-        std::array::from_fn(|c| self.tables[c][((texel[c] * 4.0 + 0.5) as usize).min(1020)])
+        let toned: [f32; 3] = std::array::from_fn(|c| self.tables[c][((texel[c] * 4.0 + 0.5) as usize).min(1020)]);
+        let grey = 0.299 * toned[0] + 0.587 * toned[1] + 0.114 * toned[2];
+        toned.map(|c| (grey + self.saturation * (c - grey)).clamp(0.0, 1.0))
     }
 }
 

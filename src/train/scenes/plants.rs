@@ -1,7 +1,7 @@
 //! Procedural foreground: blades of grass, stems and leaves, coloured and textured from a photo's greens.
 
 use super::raster::Raster;
-use super::rng::Rng;
+use crate::rng::Rng;
 
 /// A green of the photo, 0 … 255, or a plain one where it has none.
 fn green(rng: &mut Rng, photo: &Raster<[u8; 3]>) -> [f32; 3] {

@@ -2,8 +2,8 @@
 
 use super::place::Tone;
 use super::raster::Raster;
-use super::rng::Rng;
 use super::{Kind, Sample, Source, add_noise};
+use crate::rng::Rng;
 
 impl Source {
     /// A crop of one light field. It is mirrored only where every view has its mirror image in the grid (u − 4 ↔ 4 − u).

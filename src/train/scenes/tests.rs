@@ -141,3 +141,21 @@ fn a_subject_is_nearer_than_its_surround_and_hides_it() {
     };
     assert!(mean(true) > mean(false) + 0.1);
 }
+
+#[test]
+fn a_guest_stands_before_everything_that_it_covers() {
+    let engine = source(KINDS[2], 1, 6);
+    let canvas = Canvas::new([96, 72], engine.config.range_px());
+    let full = canvas.full();
+    for seed in 0..8 {
+        let rgb = Raster::from_fn(full, |_, _| [0.5; 3]);
+        let ramp = Raster::from_fn(full, |x, _| canvas.disparity(x as f32 / full[0] as f32));
+        let layers = vec![layer::Layer::whole(rgb, ramp, false)];
+        let mut scene = Scene { layers, margin: canvas.margin, size: canvas.size };
+        engine.add_guest(&mut Rng::new(seed, 0), &canvas, &mut scene);
+        let [ground, guest] = &scene.layers[..] else { panic!("no guest came") };
+        let covered = (0..full[0] * full[1]).filter(|&i| guest.rgba.px[i][3] > 0.5);
+        assert!(covered.clone().count() > 20);
+        assert!(covered.clone().all(|i| guest.disparity.px[i] > ground.disparity.px[i]));
+    }
+}
