@@ -24,6 +24,9 @@ pub fn command() -> Command {
         .arg(arg!(--data <DIR> "Folder of flowers/ and everyday/").default_value("data").value_parser(path()))
         .arg(arg!(--scenes <N> "Constructed validation scenes").default_value("24").value_parser(value_parser!(usize)))
         .arg(arg!(--models <DIR> "Models, laid out like models/").required(false).value_parser(path()))
+        .arg(
+            arg!(--net <NAME> "A depth net of theirs other than the pair's own, such as paper-flowers").required(false),
+        )
         .arg(arg!(--threads <N> "Threads; 0 means all").default_value("0").value_parser(value_parser!(usize)))
         .arg(arg!(--sheets <DIR> "Write contact sheets there").required(false).value_parser(path()))
         .arg(arg!(--json "One JSON object on stdout"))
@@ -35,7 +38,8 @@ pub fn command() -> Command {
 /// Bad input, in one sentence that names the file; what the nets say.
 pub fn run(matches: &ArgMatches) -> Result<String> {
     let threads = matches.get_one::<usize>("threads").copied().unwrap_or(0);
-    let models = Models::load(matches.get_one::<PathBuf>("models").map(PathBuf::as_path), threads)?;
+    let folder = matches.get_one::<PathBuf>("models").map(PathBuf::as_path);
+    let models = Models::load(folder, matches.get_one::<String>("net").map(String::as_str), threads)?;
     let fields: Vec<PathBuf> = matches.get_many("LF").into_iter().flatten().cloned().collect();
     anyhow::ensure!(
         !fields.is_empty() || matches.get_flag("photos"),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plenoscope::field::Photo;
 use plenoscope::job::{Cancel, Job};
-use plenoscope::synth::{ModelSource, ModelTag, SynthParams, Synthesizer};
+use plenoscope::synth::{DepthSource, ModelSource, ModelTag, SynthParams, Synthesizer};
 
 use super::metrics::Rgb;
 use super::{Prediction, Predictor};
@@ -17,14 +17,15 @@ pub struct Models {
 }
 
 impl Models {
-    /// Loads them; `folder` is laid out like `models/`.
+    /// Loads them; `folder` is laid out like `models/`, `depth` names a depth net other than the pair's own.
     ///
     /// # Errors
     /// What [`Synthesizer::load`] says.
-    pub fn load(folder: Option<&Path>, threads: usize) -> anyhow::Result<Self> {
-        let source = folder.map_or(ModelSource::Embedded, |folder| ModelSource::Folder(folder.to_owned()));
-        let params = SynthParams { long_side: u32::MAX, threads, ..SynthParams::default() };
-        Ok(Self { synthesizer: Synthesizer::load(&source)?, params })
+    pub fn load(folder: Option<&Path>, depth: Option<&str>, threads: usize) -> anyhow::Result<Self> {
+        let models = folder.map_or(ModelSource::Embedded, |folder| ModelSource::Folder(folder.to_owned()));
+        let source = depth.map_or(DepthSource::Network, |id| DepthSource::Model(id.to_owned()));
+        let params = SynthParams { long_side: u32::MAX, threads, source, ..SynthParams::default() };
+        Ok(Self { synthesizer: Synthesizer::load(&models)?, params })
     }
 
     /// Name and checksum of the nets.

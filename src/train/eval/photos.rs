@@ -14,6 +14,8 @@ pub const LONG_SIDE: usize = 270;
 const IN_FRONT_PX: f32 = 0.05;
 /// How near an edge of depth must be to the mask's edge, in pixels.
 const ALIGNED_PX: isize = 3;
+/// How wide the border is in which a frame of wrong depth would show, in pixels.
+const BORDER_PX: usize = 12;
 /// How far from the mask's edge an edge of depth is looked for, in pixels.
 const SEARCH_PX: isize = 10;
 
@@ -26,6 +28,8 @@ pub struct PhotoFigures {
     pub step_px: Option<f32>,
     /// The share of the mask's edge along which the steepest step of depth lies within 3 px and falls outward.
     pub aligned: Option<f32>,
+    /// See [`border_slope`].
+    pub border_slope: Option<f32>,
     /// Rank correlation with the nearness map.
     pub spearman: Option<f32>,
     /// Rank correlation of the row number with the nearness map: what a net must beat.
@@ -47,6 +51,8 @@ pub struct Summary {
     pub masked: usize,
     /// Mean of [`PhotoFigures::aligned`].
     pub aligned: Option<f32>,
+    /// Mean of [`PhotoFigures::border_slope`]: at most about 1 where there is no frame.
+    pub border_slope: Option<f32>,
     /// Mean rank correlation.
     pub spearman: Option<f32>,
     /// That of the row number.
@@ -133,6 +139,7 @@ pub fn photo(picture: &Picture, depth: &[f32]) -> PhotoFigures {
         id: picture.id.clone(),
         step_px: picture.mask.as_ref().and_then(|mask| step(mask, depth)),
         aligned: picture.mask.as_ref().and_then(|mask| aligned(mask, depth)),
+        border_slope: border_slope(depth, size),
         spearman: nearness.as_ref().map(|map| spearman(depth, map)),
         rows_spearman: nearness.as_ref().map(|map| spearman(&rows(), map)),
         within_rows: nearness.as_ref().map(|map| within_rows(depth, map, size[0])),
@@ -148,6 +155,7 @@ fn summary(folder: &str, photos: &[PhotoFigures]) -> Summary {
         in_front: mean(masked.iter().map(|&step| f32::from(u8::from(step > IN_FRONT_PX)))),
         masked: masked.len(),
         aligned: of(|p| p.aligned),
+        border_slope: of(|p| p.border_slope),
         spearman: of(|p| p.spearman),
         rows_spearman: of(|p| p.rows_spearman),
         within_rows: of(|p| p.within_rows),
@@ -161,6 +169,26 @@ pub fn step(mask: &Raster<u8>, depth: &[f32]) -> Option<f32> {
     let pick =
         |wanted: &dyn Fn(usize) -> bool| median((0..depth.len()).filter(|&i| wanted(i)).map(|i| depth[i]).collect());
     Some(pick(&|i| !outside[i])? - pick(&|i| (3.0..=15.0).contains(&distance[i]))?)
+}
+
+/// How much depth changes across the outer 12 px, at right angles to the picture's border, as a multiple of how much
+/// it changes so elsewhere. A frame of wrong depth, as zero padding leaves it, stands out as a multiple far above 1.
+/// None where nothing changes, or where the picture is too small.
+pub fn border_slope(depth: &[f32], [w, h]: [usize; 2]) -> Option<f32> {
+    if w <= 3 * BORDER_PX || h <= 3 * BORDER_PX {
+        return None;
+    }
+    let (mut border, mut inside) = (Vec::new(), Vec::new());
+    let mut put = |near: bool, step: f32| if near { border.push(step) } else { inside.push(step) };
+    let near = |at: usize, side: usize| at < BORDER_PX || at + 1 >= side - BORDER_PX;
+    for y in 0..h {
+        (0..w - 1).for_each(|x| put(near(x, w), (depth[y * w + x + 1] - depth[y * w + x]).abs()));
+    }
+    for y in 0..h - 1 {
+        (0..w).for_each(|x| put(near(y, h), (depth[(y + 1) * w + x] - depth[y * w + x]).abs()));
+    }
+    let inside = mean(inside.into_iter()).filter(|&slope| slope > 0.0)?;
+    Some(mean(border.into_iter())? / inside)
 }
 
 /// See [`PhotoFigures::aligned`]. Along the mask's normal, 10 px to each side, the steepest change of depth is looked
