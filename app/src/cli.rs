@@ -118,7 +118,7 @@ pub struct SynthArgs {
     /// Use this ray depth for the reference view instead of a net's (PFM, pixels per view step at its own width)
     #[arg(long, value_name = "FILE.pfm")]
     pub disparity: Option<PathBuf>,
-    /// Where the ray depth comes from: network, phone, fused, or the name of a relative-depth model
+    /// Where the ray depth comes from: network, phone, fused, or the name of a depth net (such as paper-flowers)
     #[arg(long, value_name = "SOURCE", default_value = "network", conflicts_with = "disparity")]
     pub source: String,
     /// Take the nets from this folder instead of those in the program

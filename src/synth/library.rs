@@ -31,13 +31,16 @@ pub struct ModelTag {
     pub sha256: String,
 }
 
-/// `models.toml`: the pair of nets that is used.
+/// `models.toml`: the pair of nets that is used, and what else there is to choose from.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct ModelIndex {
     /// The depth net.
     pub depth: String,
     /// The occlusion net; none means Lambertian views are final.
     pub occlusion: Option<String>,
+    /// Depth nets that come with the program beside that one.
+    #[serde(default)]
+    pub further: Vec<String>,
 }
 
 /// A model as it was read: its manifest and its ONNX file, checked against each other.
@@ -89,9 +92,10 @@ impl ModelSource {
 
     /// Where the pair of nets comes from: a folder of `relative-depth` models alone leaves those in the program in use.
     pub(super) fn for_pair(&self) -> Self {
+        let relative = |id: &String| self.depth_task(id) == Some(Task::RelativeDepth);
         match self {
             Self::Folder(folder)
-                if !folder.join("models.toml").exists() && !self.relative_depth_models().is_empty() =>
+                if !folder.join("models.toml").exists() && self.further_models().iter().any(relative) =>
             {
                 Self::Embedded
             }
@@ -99,30 +103,35 @@ impl ModelSource {
         }
     }
 
-    /// One `relative-depth` model.
+    /// A depth net other than the pair's own, by its name.
     ///
     /// # Errors
     /// [`ModelError::NoSource`] where there is none of that name; what is wrong with it where there is one.
-    pub(super) fn relative_depth_model(&self, id: &str) -> Result<ModelFile, ModelError> {
+    pub(super) fn further_model(&self, id: &str) -> Result<ModelFile, ModelError> {
         if self.folders().iter().any(|folder| folder == id) {
-            return self.model(id, Task::RelativeDepth);
+            let task = self.depth_task(id).unwrap_or(Task::RelativeDepth);
+            return self.model(id, task);
         }
         let always = ["network", "phone", "fused"].map(str::to_owned);
-        let known = [&always[..], &self.relative_depth_models()].concat().join(", ");
+        let known = [&always[..], &self.further_models()].concat().join(", ");
         Err(ModelError::NoSource { name: id.to_owned(), known })
     }
 
-    /// Names of the `relative-depth` models that lie here: further sources of ray depth. Broken ones are left out.
-    pub fn relative_depth_models(&self) -> Vec<String> {
-        let mut ids: Vec<_> = self.folders().into_iter().filter(|id| self.is_relative_depth(id)).collect();
+    /// Names of the depth nets that lie here beside the pair's own: further sources of ray depth. Broken ones are left
+    /// out.
+    pub fn further_models(&self) -> Vec<String> {
+        let own = self.index().map(|index| index.depth).unwrap_or_default();
+        let mut ids: Vec<_> = self.folders().into_iter().filter(|id| *id != own).collect();
+        ids.retain(|id| self.depth_task(id).is_some());
         ids.sort();
         ids
     }
 
-    fn is_relative_depth(&self, id: &str) -> bool {
+    /// What a model is for, where that is depth.
+    fn depth_task(&self, id: &str) -> Option<Task> {
         let path = format!("{id}/manifest.toml");
-        let manifest = self.text(&path).and_then(|text| Manifest::parse(&text, &path));
-        manifest.is_ok_and(|manifest| manifest.task == Task::RelativeDepth)
+        let manifest = self.text(&path).and_then(|text| Manifest::parse(&text, &path)).ok()?;
+        (manifest.task != Task::Occlusion).then_some(manifest.task)
     }
 
     fn folders(&self) -> Vec<String> {

@@ -25,7 +25,7 @@ pub enum DepthSource {
     Phone,
     /// The phone's order on the depth net's scale, edges from net and photo.
     Fused,
-    /// A `relative-depth` model of the models folder, by name.
+    /// Another depth net of the models folder, by name: one of ours, or anybody's with `task = "relative-depth"`.
     Model(String),
 }
 

@@ -26,8 +26,25 @@ pub struct Synthesizer {
     source: ModelSource,
     depth: DepthNet,
     occlusion: Option<OcclusionNet>,
-    /// The relative-depth model that was asked for last, by its name.
-    relative: Mutex<Option<(String, Arc<RelativeNet>)>>,
+    /// The further model that was asked for last, by its name.
+    further: Mutex<Option<(String, Arc<Further>)>>,
+}
+
+/// A depth net that is asked for by its name.
+enum Further {
+    /// One of ours, with a map for every view.
+    Ray(DepthNet),
+    /// Anybody's.
+    Relative(RelativeNet),
+}
+
+impl Further {
+    fn tag(&self) -> ModelTag {
+        match self {
+            Self::Ray(net) => net.net().tag(),
+            Self::Relative(net) => net.net().tag(),
+        }
+    }
 }
 
 impl Synthesizer {
@@ -41,7 +58,7 @@ impl Synthesizer {
             Some(id) => Some(OcclusionNet::load(pair.model(id, Task::Occlusion)?, depth.grid())?),
             None => None,
         };
-        Ok(Self { source: source.clone(), depth, occlusion, relative: Mutex::default() })
+        Ok(Self { source: source.clone(), depth, occlusion, further: Mutex::default() })
     }
 
     /// Rows and columns of the views that it makes.
@@ -55,7 +72,7 @@ impl Synthesizer {
             _ if params.disparity.is_some() => None,
             DepthSource::Network | DepthSource::Fused => Some(self.depth.net().tag()),
             // One that cannot be read is told of when it is to run.
-            DepthSource::Model(id) => self.relative(id).ok().map(|net| net.net().tag()),
+            DepthSource::Model(id) => self.further(id).ok().map(|net| net.tag()),
             DepthSource::Phone => params.phone.is_none().then(|| self.depth.net().tag()),
         };
         let occlusion = self.occlusion.as_ref().filter(|_| params.occlusion).map(|net| net.net().tag());
@@ -105,7 +122,10 @@ impl Synthesizer {
         }
         let threads = params.threads;
         let map = match (&params.source, &params.phone) {
-            (DepthSource::Model(id), _) => self.relative(id)?.estimate(reference, threads, job)?,
+            (DepthSource::Model(id), _) => match &*self.further(id)? {
+                Further::Ray(net) => return self.net_ray_depths(net, reference, threads, job),
+                Further::Relative(net) => net.estimate(reference, threads, job)?,
+            },
             (DepthSource::Phone, Some(phone)) => upsample::to_guide(phone, reference, job)?,
             (DepthSource::Fused, Some(phone)) => {
                 let net = self.depth.estimate(reference, threads, job)?.reference();
@@ -115,29 +135,40 @@ impl Synthesizer {
                 if *source != DepthSource::Network {
                     job.sink.warning("This photo has no depth of its own, so the network's is used".to_owned());
                 }
-                return self.net_ray_depths(reference, threads, job);
+                return self.net_ray_depths(&self.depth, reference, threads, job);
             }
         };
         Ok(lift::lifted(&map, self.grid(), job)?)
     }
 
-    /// A relative-depth model by its name, kept for the next photo.
-    fn relative(&self, id: &str) -> Result<Arc<RelativeNet>, ModelError> {
-        let mut kept = self.relative.lock().unwrap_or_else(PoisonError::into_inner);
+    /// A further model by its name, kept for the next photo.
+    fn further(&self, id: &str) -> Result<Arc<Further>, ModelError> {
+        let mut kept = self.further.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, net)) = kept.as_ref().filter(|(name, _)| name == id) {
             return Ok(Arc::clone(net));
         }
-        let net = Arc::new(RelativeNet::new(self.source.relative_depth_model(id)?));
+        let file = self.source.further_model(id)?;
+        let net = match file.manifest.task {
+            Task::RayDepth => Further::Ray(DepthNet::load(file)?.with_grid(self.grid())?),
+            _ => Further::Relative(RelativeNet::new(file)),
+        };
+        let net = Arc::new(net);
         *kept = Some((id.to_owned(), Arc::clone(&net)));
         Ok(net)
     }
 
-    fn net_ray_depths(&self, reference: &View, threads: usize, job: &Job) -> Result<RayDepths, SynthError> {
-        let net = self.depth.estimate(reference, threads, job)?;
+    fn net_ray_depths(
+        &self,
+        depth: &DepthNet,
+        reference: &View,
+        threads: usize,
+        job: &Job,
+    ) -> Result<RayDepths, SynthError> {
+        let net = depth.estimate(reference, threads, job)?;
         job.advance(Stage::Depth, 1, 3)?;
         let refined = upsample::to_guide(&net.reference(), reference, job)?;
         job.advance(Stage::Depth, 2, 3)?;
-        match self.depth.net().manifest().ray_depths {
+        match depth.net().manifest().ray_depths {
             RayDepthsFrom::Lift => Ok(lift::lifted(&refined, self.grid(), job)?),
             RayDepthsFrom::Net => Ok(all_maps(&net, refined)?),
         }

@@ -82,7 +82,7 @@ pub fn loader(threads: usize, ahead: Ahead, remembers: bool) -> impl Work<Load> 
                 log::debug!("{}: a light field in {:.3} s", made.of.name, made.took_secs);
                 let document = made.of.clone();
                 outbox.send(job, Event::Made(Box::new(made)));
-                outbox.send(job, Event::Models(load.models.relative_depth_models()));
+                outbox.send(job, Event::Models(load.models.further_models()));
                 if remembers {
                     recents::keep(&document);
                 }

@@ -122,7 +122,7 @@ impl Maker {
             (Source::Map, Some(own)) => {
                 SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(&own.map)), ..base }
             }
-            (Source::Model(id), _) if load.models.relative_depth_models().contains(id) => {
+            (Source::Model(id), _) if load.models.further_models().contains(id) => {
                 SynthParams { source: DepthSource::Model(id.clone()), ..base }
             }
             (Source::Model(id), _) => {

@@ -1,4 +1,4 @@
-//! Depth nets of other people, put into the models folder: two layouts, from the manifest to 64 ray depths.
+//! Depth nets beside the pair's own, put into the models folder: other people's in two layouts, and a second one of ours.
 
 use std::path::Path;
 
@@ -50,9 +50,9 @@ fn check(made: &Synthesis, along: impl Fn(f32) -> [f32; 2], wanted: &[(f32, f32)
 #[test]
 fn both_are_offered_and_no_other() {
     let source = ModelSource::Folder(folder().path().to_owned());
-    assert!(source.relative_depth_models().is_empty(), "the folder has gone");
+    assert!(source.further_models().is_empty(), "the folder has gone");
     let folder = folder();
-    assert_eq!(ModelSource::Folder(folder.path().to_owned()).relative_depth_models(), ["metres", "patches"]);
+    assert_eq!(ModelSource::Folder(folder.path().to_owned()).further_models(), ["metres", "patches"]);
 }
 
 #[test]
@@ -72,11 +72,27 @@ fn interleaved_blue_first_of_a_fixed_size_with_distances() {
 }
 
 #[test]
+fn a_second_net_of_our_own_kind_is_chosen_by_its_name() {
+    let folder = folder();
+    let onnx = nets::onnx(&[nets::Layer::conv2(3, 64)], 9);
+    nets::write_model(folder.path(), "second", &onnx, "ray-depth");
+    let source = ModelSource::Folder(folder.path().to_owned());
+    assert_eq!(source.further_models(), ["metres", "patches", "second"]);
+    let second = synthesize(folder.path(), "second").unwrap();
+    assert_eq!(second.models.iter().map(|model| model.id.as_str()).collect::<Vec<_>>(), ["second"]);
+    nets::write_model(folder.path(), "depth", &onnx, "ray-depth");
+    let params = SynthParams { occlusion: false, ..SynthParams::default() };
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    let same = Synthesizer::load(&source).unwrap().synthesize(&photo(), &params, &job).unwrap();
+    assert_eq!(second.depths, same.depths, "as if it were the pair's own");
+}
+
+#[test]
 fn a_source_that_cannot_be_used_is_told_in_one_sentence() {
     type Damage = fn(&Path);
     let cases: [(&str, Damage, &[&str]); 5] = [
         ("patched", |_| {}, &["\"patched\"", "metres, patches"]),
-        ("depth", |_| {}, &["task", "manifest.toml"]),
+        ("occlusion", |_| {}, &["task", "manifest.toml"]),
         ("patches", |f| std::fs::write(f.join("patches/model.onnx"), b"x").unwrap(), &["checksum"]),
         ("other", |f| std::fs::rename(f.join("patches"), f.join("other")).unwrap(), &["its id is \"patches\""]),
         (
