@@ -31,16 +31,13 @@ pub struct ModelTag {
     pub sha256: String,
 }
 
-/// `models.toml`: the pair of nets that is used, and what else there is to choose from.
+/// `models.toml`: the pair of nets that is used. What else it names is built into the program beside them.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 pub struct ModelIndex {
     /// The depth net.
     pub depth: String,
     /// The occlusion net; none means Lambertian views are final.
     pub occlusion: Option<String>,
-    /// Depth nets that come with the program beside that one.
-    #[serde(default)]
-    pub further: Vec<String>,
 }
 
 /// A model as it was read: its manifest and its ONNX file, checked against each other.

@@ -52,7 +52,7 @@ impl Source {
         let size = rng.range(0.2, 1.0);
         let Some(sprite) = sprite(rng, picture, canvas, size) else { return };
         let apart = rng.range(0.05, 0.35) * canvas.range_px;
-        let Some(under) = nearest_under(scene, &sprite.alpha.map(|a| a / 255.0)) else { return };
+        let Some(under) = nearest_under(scene, &sprite.alpha) else { return };
         let near = (under + apart).min(canvas.disparity(1.15));
         let rgba = premultiplied(&Tone::random(rng).apply(&sprite.rgb), &sprite.alpha);
         let disparity = sprite.dome.map(|dome| near + 0.1 * canvas.range_px * dome / 255.0);
@@ -88,9 +88,9 @@ impl Source {
     }
 }
 
-/// The largest disparity that a scene has under a coverage.
+/// The largest disparity that a scene has under a coverage of 0 … 255.
 fn nearest_under(scene: &Scene, alpha: &Raster<f32>) -> Option<f32> {
-    let covered = || alpha.px.iter().enumerate().filter(|(_, a)| **a > 0.5).map(|(i, _)| i);
+    let covered = || alpha.px.iter().enumerate().filter(|(_, a)| **a > 127.5).map(|(i, _)| i);
     let of = |layer: &Layer| {
         covered().filter(|&i| layer.rgba.px[i][3] > 0.5).map(|i| layer.disparity.px[i]).reduce(f32::max)
     };

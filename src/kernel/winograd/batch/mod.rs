@@ -61,8 +61,7 @@ impl<'a> PlaneBatch<'a> {
 
     /// `w ∗ x` and its sums.
     pub(in crate::kernel) fn forward(&self, x: &[f32], weights: &[f32]) -> (Vec<f32>, Sums) {
-        assert_eq!(x.len(), self.shape.input_len(), "length of the input");
-        let x = |values: &mut [f32], at: usize| values.copy_from_slice(&x[at..][..values.len()]);
+        let x = pieces(self.shape, x);
         let channels = [self.shape.channels_in, self.shape.channels_out];
         let weights = weights::forward(self.isa, weights, channels);
         let mut z = Vec::with_capacity(self.shape.output_len());
@@ -93,8 +92,7 @@ impl<'a> PlaneBatch<'a> {
         weights: &[f32],
         wants_x: bool,
     ) -> (Vec<f32>, Option<Vec<f32>>) {
-        assert_eq!(x.len(), self.shape.input_len(), "length of the input");
-        let x = |values: &mut [f32], at: usize| values.copy_from_slice(&x[at..][..values.len()]);
+        let x = pieces(self.shape, x);
         let channels = [self.shape.channels_in, self.shape.channels_out];
         let back = wants_x.then(|| weights::back(self.isa, weights, channels));
         let sums = weights::room(channels);
@@ -214,6 +212,12 @@ impl<'a> PlaneBatch<'a> {
             step: all.step(),
         }
     }
+}
+
+/// Writes pieces of a convolution's input `x` from an index on.
+fn pieces<'a>(shape: &ConvShape, x: &'a [f32]) -> impl Fn(&mut [f32], usize) + Sync + use<'a> {
+    assert_eq!(x.len(), shape.input_len(), "length of the input");
+    move |values, at| values.copy_from_slice(&x[at..][..values.len()])
 }
 
 /// One component of the results: `to` = `from` · `weights`.

@@ -8,7 +8,7 @@ use super::components::Components;
 use super::pixels::Room;
 use super::products::{Products, Source, TILES};
 use super::tiles::{Channels, Pass, Places};
-use super::{COMPONENTS, GROUP, pixels, views, weights};
+use super::{COMPONENTS, GROUP, pieces, pixels, views, weights};
 use crate::kernel::conv::Sums;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
@@ -58,8 +58,7 @@ impl<'a> VolumeBatch<'a> {
     /// `w ∗ x` and its sums.
     pub(in crate::kernel) fn forward(&self, x: &[f32], weights: &[f32]) -> (Vec<f32>, Sums) {
         let ConvShape { batch, channels_in, channels_out, .. } = *self.shape;
-        assert_eq!(x.len(), self.shape.input_len(), "length of the input");
-        let x = |values: &mut [f32], at: usize| values.copy_from_slice(&x[at..][..values.len()]);
+        let x = pieces(self.shape, x);
         let weights = weights::forward(self.isa, &views::planes(self.shape, weights, false), views::PLANES);
         let mut z = Vec::with_capacity(self.shape.output_len());
         let target = SendPtr(z.as_mut_ptr());
@@ -96,8 +95,7 @@ impl<'a> VolumeBatch<'a> {
         weights: &[f32],
         wants_x: bool,
     ) -> (Vec<f32>, Option<Vec<f32>>) {
-        assert_eq!(x.len(), self.shape.input_len(), "length of the input");
-        let x = |values: &mut [f32], at: usize| values.copy_from_slice(&x[at..][..values.len()]);
+        let x = pieces(self.shape, x);
         let back = || weights::forward(self.isa, &views::planes(self.shape, weights, true), views::PLANES);
         let back = wants_x.then(back);
         let len = if wants_x { self.shape.input_len() } else { 0 };
