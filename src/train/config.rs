@@ -43,8 +43,8 @@ pub struct LossWeights {
     /// ‖L_r − L‖₁ (and ‖L̂ − L‖₁ in the stages that have it)
     #[arg(long, default_value_t = 1.0, help_heading = "Losses")]
     pub w_photometric: f32,
-    /// Affine-invariant |s·D + t − D*|
-    #[arg(long, default_value_t = 0.25, help_heading = "Losses")]
+    /// Affine-invariant |s·D + t − D*|: what a photo can tell; it cannot tell the scale of its nearness map
+    #[arg(long, default_value_t = 0.8, help_heading = "Losses")]
     pub w_affine: f32,
     /// Gradients of the affine residual, relative to --w-affine
     #[arg(long, default_value_t = 0.4, help_heading = "Losses")]

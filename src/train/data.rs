@@ -77,10 +77,7 @@ pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainEr
     for sample in samples {
         for &i in &order {
             batch.views.extend(&sample.rgb[3 * i * plane..][..3 * plane]);
-            match &sample.disparity {
-                Some(disparity) => batch.truth.extend(&disparity[i * plane..][..plane]),
-                None => batch.truth.extend(std::iter::repeat_n(f32::NAN, plane)),
-            }
+            batch.truth.extend(&sample.disparity[i * plane..][..plane]);
         }
         batch.yx.push(sample.yx);
     }

@@ -116,8 +116,7 @@ impl Scene {
         for (k, &layer) in sample.views.iter().enumerate() {
             let at = |c: usize, i: usize| sample.rgb[(3 * k + c) * count + i];
             views[layer].px = (0..count).map(|i| [at(0, i), at(1, i), at(2, i)]).collect();
-            let known = sample.disparity.as_ref().map(|d| d[k * count..(k + 1) * count].to_vec());
-            depths[layer] = known.unwrap_or_else(|| vec![f32::NAN; count]);
+            depths[layer] = sample.disparity[k * count..(k + 1) * count].to_vec();
         }
         Self { size: sample.size, views, depths }
     }

@@ -6,8 +6,11 @@ use super::lifted::{covered, premultiplied};
 use super::place::{Canvas, Place, Tone, ground};
 use super::plants::{blades, leaves};
 use super::raster::Raster;
-use super::{FOCAL_NEARNESS, Kind, Sample, Source, add_noise, render};
+use super::{FOCAL_NEARNESS, Kind, Sample, Source, add_noise, render, walls};
 use crate::rng::Rng;
+
+/// The share of compositions before a wall.
+const WALLS: f32 = 0.4;
 
 /// A cut-out as it lies on a canvas.
 struct Sprite {
@@ -42,7 +45,6 @@ impl Source {
         let (mut rgb, disparity) = render(&scene, &views);
         add_noise(rng, &mut rgb, &self.config);
         let origin = format!("{} and {} more", back.id, nearness.len());
-        let disparity = Some(disparity);
         Sample { size: crop, views, rgb, disparity, subject: None, yx: place.yx, kind: Kind::Collage, origin }
     }
 
@@ -59,14 +61,18 @@ impl Source {
         scene.layers.push(Layer { bounds: covered(&rgba), rgba, disparity, rough: false });
     }
 
-    /// A photo without its subject on a ground that stays behind `nearest`; values 0 … 255.
+    /// A photo without its subject on a ground, or a wall in its colours, that stays behind `nearest`; values 0 … 1.
     fn backdrop(&self, rng: &mut Rng, back: &Picture, place: &Place, canvas: &Canvas, nearest: f32) -> Layer {
         let full = canvas.full();
-        let source = back.cutout().map_or(&back.rgb, |cutout| &cutout.behind);
-        let mut rgb = place.fill(source, full);
+        let wall = rng.chance(WALLS);
+        let mut rgb = if wall {
+            walls::wall(rng, full, &back.rgb)
+        } else {
+            place.fill(back.cutout().map_or(&back.rgb, |cutout| &cutout.behind), full)
+        };
         let blur = [0.0, 0.0, 1.0, 2.0, 3.0][rng.below(5)];
         rgb.blur(blur * self.config.long_side as f32 / 288.0);
-        let mut depth = ground(rng, place, full);
+        let mut depth = if wall { walls::upright(rng, full) } else { ground(rng, place, full) };
         depth.px.iter_mut().for_each(|z| *z = canvas.disparity(z.min(nearest - 0.05)));
         Layer::whole(rgb.map(|texel| texel.map(|c| c / 255.0)), depth, false)
     }

@@ -12,12 +12,10 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::cutout::Cutout;
+use super::fields::{self, Field};
 use super::raster::Raster;
 use super::{Config, SceneError, Split};
-use plenoscope::field::{ViewGrid, fit_long_side};
-
-/// Light fields that the trainer never sees: they are what it is judged by.
-pub const VALIDATION_LIGHT_FIELDS: [&str; 2] = ["yellow_f01", "shrubs_f01"];
+use plenoscope::field::fit_long_side;
 
 /// One photo, with what is known about it.
 pub struct Picture {
@@ -42,14 +40,6 @@ impl Picture {
     pub fn cutout(&self) -> Option<&Cutout> {
         self.cutout.get_or_init(|| self.mask.as_ref().map(|mask| Cutout::new(self, mask))).as_ref()
     }
-}
-
-/// One real light field.
-pub struct Field {
-    /// Its folder's name.
-    pub name: String,
-    /// 64 views in `[v, u]` order.
-    pub views: Vec<Raster<[u8; 3]>>,
 }
 
 /// Everything that samples are made of.
@@ -93,8 +83,8 @@ impl Library {
         let items = items(&config.data, config.split)?;
         let long_side = config.long_side + config.long_side / 5;
         let pictures = items.par_iter().map(|item| read_picture(item, long_side)).collect::<Result<_, _>>()?;
-        let fields =
-            if config.mix.real > 0.0 && config.split == Split::Train { read_fields(config)? } else { Vec::new() };
+        let wanted = config.mix.real > 0.0 && config.split == Split::Train;
+        let fields = if wanted { fields::read(&config.data, config.long_side)? } else { Vec::new() };
         let library = Self { pictures, fields };
         if library.pictures.is_empty() && library.fields.is_empty() {
             return Err(SceneError::Empty { path: config.data.clone() });
@@ -208,38 +198,4 @@ pub fn byte_from_nearness(nearness: f32) -> u8 {
 /// The nearness that an (interpolated) byte stands for.
 pub fn nearness_from_byte(byte: f32) -> f32 {
     byte * (1.1 / 255.0) - 0.05
-}
-
-fn read_fields(config: &Config) -> Result<Vec<Field>, SceneError> {
-    let folder = config.data.join("lightfields");
-    let Ok(entries) = std::fs::read_dir(&folder) else { return Ok(Vec::new()) };
-    let mut paths: Vec<_> = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
-    paths.sort();
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    paths.retain(|path| !VALIDATION_LIGHT_FIELDS.contains(&name(path).as_str()));
-    paths.retain(|path| path.join("view_4_4.png").exists());
-    paths.iter().map(|path| Ok(Field { name: name(path), views: read_views(path, config.long_side)? })).collect()
-}
-
-/// All 64 views of a folder, as large as crops of `long_side` need.
-fn read_views(folder: &Path, long_side: usize) -> Result<Vec<Raster<[u8; 3]>>, SceneError> {
-    let grid = ViewGrid::PAPER;
-    let reference = read_rgb("view", &folder.join("view_4_4.png"))?.size;
-    let long = reference[0].max(reference[1]);
-    // Each view a little larger than a crop, and never enlarged.
-    let scale = (1.15 * long_side as f32 / long as f32).min(1.0);
-    let size = reference.map(|side| (side as f32 * scale).round() as usize);
-    (0..grid.count())
-        .into_par_iter()
-        .map(|layer| {
-            let at = grid.view_from_layer(layer);
-            let path = folder.join(format!("view_{}_{}.png", at.v, at.u));
-            let view = read_rgb("view", &path)?;
-            if view.size != reference {
-                let beside = "view_4_4.png";
-                return Err(SceneError::Size { what: "view", got: view.size, want: reference, beside, path });
-            }
-            Ok(to_u8(&view.resized(size)))
-        })
-        .collect()
 }

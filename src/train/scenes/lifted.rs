@@ -5,11 +5,13 @@ use super::layer::{Layer, Scene};
 use super::library::{Picture, nearness_from_byte};
 use super::place::{Canvas, Place, Tone, ground};
 use super::raster::Raster;
-use super::{Kind, Sample, Source, add_noise, render};
+use super::{Kind, Sample, Source, add_noise, render, walls};
 use crate::rng::Rng;
 
 /// The share of lifted maps before which a cut-out of another photo is put.
 const GUESTS: f32 = 0.35;
+/// The share of masked photos whose surround gives way to a wall.
+const WALLS: f32 = 0.12;
 
 /// Colours of a raster premultiplied by a coverage of 0 … 255.
 pub fn premultiplied(rgb: &Raster<[f32; 3]>, alpha: &Raster<f32>) -> Raster<[f32; 4]> {
@@ -41,7 +43,6 @@ fn placed_nearness(map: &Raster<u8>, place: &Place, size: [usize; 2]) -> Raster<
 
 fn sample(scene: &Scene, views: Vec<usize>, place: &Place, kind: Kind, origin: &str) -> Sample {
     let (rgb, disparity) = render(scene, &views);
-    let disparity = Some(disparity);
     Sample { size: scene.size, views, rgb, disparity, subject: None, yx: place.yx, kind, origin: origin.to_owned() }
 }
 
@@ -103,7 +104,9 @@ impl Source {
         let place = self.place(rng, picture.rgb.size, &canvas);
         let full = canvas.full();
         let tone = Tone::random(rng);
+        let wall = rng.chance(WALLS);
         let depths = match &cutout.nearness {
+            _ if wall => Depths { back: walls::upright(rng, full), ..usual_depths(&place, cutout, full) },
             Some([front, back]) if rng.chance(0.6) => Depths {
                 back: placed_nearness(back, &place, full),
                 front: placed_nearness(front, &place, full),
@@ -111,7 +114,11 @@ impl Source {
             },
             _ => chosen_depths(rng, &place, cutout, full),
         };
-        let mut behind = tone.apply(&place.fill(&cutout.behind, full));
+        let mut behind = if wall {
+            tone.apply(&walls::wall(rng, full, &cutout.behind))
+        } else {
+            tone.apply(&place.fill(&cutout.behind, full))
+        };
         if rng.chance(0.3) {
             behind.blur(rng.range(0.3, 3.0) * self.config.long_side as f32 / 288.0);
         }

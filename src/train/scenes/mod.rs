@@ -6,11 +6,11 @@
 //! * **Lifted**: a masked photo as two layers, the subject with a soft edge before its surround, which is filled in
 //!   behind it. Where the photo has a nearness map too, the map gives both layers their depth.
 //! * **Collage**: one photo's background, cut-outs of others, blades, stems and leaves at sorted depths, each blurred
-//!   by its distance from the focal plane. The ground may rise in any direction, subjects may hang anywhere: this is
-//!   what keeps a net from believing that lower is always nearer.
+//!   by its distance from the focal plane. The ground may rise in any direction or be a fence, a wall, a hedge;
+//!   subjects may hang anywhere: this is what keeps a net from believing that lower is always nearer.
 //! * **Pseudo**: a nearness map lifted to ray depths of all views, by following each ray to its first crossing. Before
 //!   every third one stands a cut-out of another photo, anywhere: what stands out is near, wherever it is.
-//! * **Real**: crops of real light fields, without ray depths.
+//! * **Real**: crops of real light fields; the reference view's ray depth is what a sweep over the views finds.
 //!
 //! Nearness 0 … 1 becomes a disparity of `range · (nearness − 0.85)` with a range of 1.2 px per view step at a long
 //! side of 288 px, in proportion at others: the focal plane lies at the subject, backgrounds are negative.
@@ -18,6 +18,7 @@
 mod collage;
 mod cutout;
 mod error;
+mod fields;
 pub mod layer;
 mod library;
 mod lifted;
@@ -25,6 +26,7 @@ mod place;
 mod plants;
 pub mod raster;
 mod real;
+mod walls;
 pub mod write;
 
 #[cfg(test)]
@@ -37,8 +39,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::rng::Rng;
 pub use error::SceneError;
+pub use fields::{Field, VALIDATION_LIGHT_FIELDS};
 use layer::Scene;
-pub use library::{Library, Picture, VALIDATION_LIGHT_FIELDS, read_rgb};
+pub use library::{Library, Picture, read_rgb};
 use place::{Canvas, Place};
 
 /// Layer of the reference view (4, 4).
@@ -73,7 +76,7 @@ pub struct Mix {
 
 impl Default for Mix {
     fn default() -> Self {
-        Self { lifted: 0.35, collage: 0.25, pseudo: 0.3, real: 0.1 }
+        Self { lifted: 0.27, collage: 0.18, pseudo: 0.48, real: 0.07 }
     }
 }
 
@@ -172,8 +175,8 @@ pub struct Sample {
     pub views: Vec<usize>,
     /// `[view, channel, y, x]`, sRGB 0 … 1.
     pub rgb: Vec<f32>,
-    /// `[view, y, x]`, pixels per view step of this size; NaN where unknown, none where nothing is known.
-    pub disparity: Option<Vec<f32>>,
+    /// `[view, y, x]`, pixels per view step of this size; NaN where unknown.
+    pub disparity: Vec<f32>,
     /// `[y, x]`, subject of the reference view, 255 inside.
     pub subject: Option<Vec<u8>>,
     /// Where the crop lies in its picture: y of the first and last row, x of the first and last column, where the
@@ -248,7 +251,7 @@ impl Source {
             }
             Kind::Collage => self.collage(rng, crop, views),
             Kind::Pseudo => {
-                let which = usize::from(rng.chance(0.35) || self.mapped[0].is_empty());
+                let which = usize::from(rng.chance(0.25) || self.mapped[0].is_empty());
                 let picture = self.framed(rng, &self.mapped[which.min(1)], crop);
                 self.pseudo(rng, crop, views, picture)
             }

@@ -68,7 +68,7 @@ fn shapes_and_ranges_are_as_documented() {
         let engine = source(mix, 3, 2);
         for index in 0..6 {
             let sample = engine.sample_sized(index, [64, 80]);
-            let disparity = sample.disparity.as_ref().unwrap();
+            let disparity = &sample.disparity;
             assert_eq!((sample.rgb.len(), disparity.len()), (3 * 3 * 64 * 80, 3 * 64 * 80));
             assert!(sample.rgb.iter().all(|v| (0.0..=1.0).contains(v)));
             let range = engine.config.range_px();
@@ -83,7 +83,7 @@ fn shapes_and_ranges_are_as_documented() {
 /// reference shows the same surface.
 fn disagreement(sample: &Sample) -> (f32, f32, f32) {
     let ([w, h], count) = (sample.size, sample.size[0] * sample.size[1]);
-    let disparity = sample.disparity.as_ref().unwrap();
+    let disparity = &sample.disparity;
     let picture = |k: usize| -> Vec<[f32; 3]> {
         (0..count).map(|i| [0, 1, 2].map(|c| sample.rgb[(k * 3 + c) * count + i])).collect()
     };
@@ -134,7 +134,7 @@ fn a_subject_is_nearer_than_its_surround_and_hides_it() {
     let engine = source(KINDS[0], 64, 4);
     let sample = engine.constructed(0, (0..64).map(|i| if i == 0 { 36 } else { i - usize::from(i <= 36) }).collect());
     let count = sample.size[0] * sample.size[1];
-    let (disparity, subject) = (&sample.disparity.as_ref().unwrap()[..count], sample.subject.as_ref().unwrap());
+    let (disparity, subject) = (&sample.disparity[..count], sample.subject.as_ref().unwrap());
     let mean = |inside: bool| {
         let values: Vec<f32> = (0..count).filter(|&i| (subject[i] > 127) == inside).map(|i| disparity[i]).collect();
         values.iter().sum::<f32>() / values.len() as f32

@@ -29,7 +29,7 @@ pub fn command() -> Command {
         .arg(arg!(--seed <N> "Seed").default_value("1").value_parser(value_parser!(u64)))
         .arg(
             arg!(--mix <SHARES> "Shares of lifted, collage, pseudo, real")
-                .default_value("0.35,0.25,0.3,0.1")
+                .default_value("0.27,0.18,0.48,0.07")
                 .value_delimiter(',')
                 .value_parser(value_parser!(f32)),
         )
@@ -85,20 +85,31 @@ fn tiles(sample: &Sample) -> Vec<Raster<[f32; 3]>> {
     let pictures = pictures(sample);
     let count = sample.size[0] * sample.size[1];
     let place = |layer: usize| sample.views.iter().position(|&l| l == layer).unwrap_or(0);
-    let unknown = || vec![f32::NAN; count];
-    let depth =
-        |layer: usize| sample.disparity.as_ref().map_or_else(unknown, |d| d[place(layer) * count..][..count].to_vec());
-    let range = usual_range(&depth(36));
+    let depth = |layer: usize| &sample.disparity[place(layer) * count..][..count];
+    let range = usual_range(depth(36));
     vec![
         pictures[36].clone(),
-        depth_tile(&depth(36), sample.size, range),
+        depth_tile(depth(36), sample.size, range),
         pictures[0].clone(),
-        depth_tile(&depth(0), sample.size, range),
+        depth_tile(depth(0), sample.size, range),
         epi_tile(|layer| &pictures[layer], sample.size[1] / 2, 4),
     ]
 }
 
-/// Writes one sample of 64 views.
+fn all_known(sample: &Sample) -> bool {
+    sample.disparity.iter().all(|d| !d.is_nan())
+}
+
+fn ray_depths(sample: &Sample) -> Result<RayDepths> {
+    let count = sample.size[0] * sample.size[1];
+    let mut sorted = vec![0.0; sample.disparity.len()];
+    for (map, &layer) in sample.disparity.chunks_exact(count).zip(&sample.views) {
+        sorted[layer * count..(layer + 1) * count].copy_from_slice(map);
+    }
+    Ok(RayDepths::new(ViewGrid::PAPER, sample.size.map(|side| side as u32), sorted)?)
+}
+
+/// Writes one sample of 64 views, with its ray depths where all of them are known.
 ///
 /// # Errors
 /// A sample of fewer views; a disk that cannot be written.
@@ -112,15 +123,7 @@ pub fn write(folder: &Path, sample: &Sample) -> Result<()> {
     };
     let views = pictures(sample).into_iter().map(view).collect::<Result<_, _>>()?;
     let field = LightField::new(ViewGrid::PAPER, views)?;
-    let depths = sample.disparity.as_ref().map(|disparity| {
-        let count = sample.size[0] * sample.size[1];
-        let mut sorted = vec![0.0; disparity.len()];
-        for (map, &layer) in disparity.chunks_exact(count).zip(&sample.views) {
-            sorted[layer * count..(layer + 1) * count].copy_from_slice(map);
-        }
-        RayDepths::new(ViewGrid::PAPER, size, sorted)
-    });
-    let depths = depths.transpose()?;
+    let depths = all_known(sample).then(|| ray_depths(sample)).transpose()?;
     let cancel = Cancel::default();
     let job = Job { cancel: &cancel, sink: &() };
     Ok(views::write(folder, &formats::Source { depths: depths.as_ref(), ..formats::Source::new(&field) }, &job)?)
