@@ -73,7 +73,9 @@ fn run(command: &mut Command) -> Result<()> {
 
 /// The repository's root.
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(PathBuf::new, Path::to_path_buf)
+    // Cargo names the checkout that it runs in; the binary may have been built in another that shares its target folder.
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+    Path::new(&package).parent().map_or_else(PathBuf::new, Path::to_path_buf)
 }
 
 #[allow(clippy::print_stdout, reason = "a program's answer belongs on stdout")]
