@@ -106,7 +106,9 @@ impl Source {
         let tone = Tone::random(rng);
         let wall = rng.chance(WALLS);
         let depths = match &cutout.nearness {
-            _ if wall => Depths { back: walls::upright(rng, full), ..usual_depths(&place, cutout, full) },
+            _ if wall => {
+                Depths { back: walls::upright(rng, full), front: usual_front(&place, cutout, full), rough: false }
+            }
             Some([front, back]) if rng.chance(0.6) => Depths {
                 back: placed_nearness(back, &place, full),
                 front: placed_nearness(front, &place, full),
@@ -166,10 +168,14 @@ fn low_ground(place: &Place, full: [usize; 2]) -> Raster<f32> {
     Raster::from_fn(full, |_, y| 0.05 + 0.4 * place.row(y).powf(1.5))
 }
 
+/// A domed subject at the focal plane.
+fn usual_front(place: &Place, cutout: &Cutout, full: [usize; 2]) -> Raster<f32> {
+    place.fill(&cutout.subject().dome, full).map(|&dome| 0.82 + 0.18 * dome / 255.0)
+}
+
 /// A domed subject at the focal plane before a low ground.
 fn usual_depths(place: &Place, cutout: &Cutout, full: [usize; 2]) -> Depths {
-    let front = place.fill(&cutout.subject().dome, full).map(|&dome| 0.82 + 0.18 * dome / 255.0);
-    Depths { back: low_ground(place, full), front, rough: false }
+    Depths { back: low_ground(place, full), front: usual_front(place, cutout, full), rough: false }
 }
 
 /// Mostly the usual depths: what a photo cannot tell, a net can only learn where it is always the same. Else drawn by

@@ -251,8 +251,9 @@ impl Source {
             }
             Kind::Collage => self.collage(rng, crop, views),
             Kind::Pseudo => {
-                let which = usize::from(rng.chance(0.25) || self.mapped[0].is_empty());
-                let picture = self.framed(rng, &self.mapped[which.min(1)], crop);
+                let [others, flowers] = &self.mapped;
+                let list = either(rng, 0.25, flowers, others);
+                let picture = self.framed(rng, list, crop);
                 self.pseudo(rng, crop, views, picture)
             }
         }
@@ -311,8 +312,7 @@ impl Source {
     /// A picture with a mask, flower or other by the configured share.
     fn masked_picture(&self, rng: &mut Rng, crop: [usize; 2]) -> &Picture {
         let [flowers, others] = &self.masked;
-        let flower = rng.chance(self.config.flowers);
-        let list = if (flower || others.is_empty()) && !flowers.is_empty() { flowers } else { others };
+        let list = either(rng, self.config.flowers, flowers, others);
         self.framed(rng, list, crop)
     }
 
@@ -323,6 +323,12 @@ impl Source {
             Place::whole(picture, canvas)
         }
     }
+}
+
+/// One of two lists: the first with this probability, and wherever the other is empty.
+fn either<'a>(rng: &mut Rng, share: f32, first: &'a [usize], other: &'a [usize]) -> &'a [usize] {
+    let wanted = rng.chance(share);
+    if (wanted || other.is_empty()) && !first.is_empty() { first } else { other }
 }
 
 /// Offsets of a view of the 8×8 grid, `(du, dv)`.

@@ -49,6 +49,18 @@ fn a_sample_is_told_by_seed_and_index_alone() {
 }
 
 #[test]
+fn one_kind_of_photos_is_enough() {
+    for id in ["flowers/a", "everyday/b"] {
+        for mix in KINDS {
+            let config = source(mix, 1, 7).config;
+            let library = Library { pictures: vec![picture(id, 1, [115, 86])], fields: Vec::new() };
+            let engine = Source::from_library(&config, library);
+            assert!((0..12).all(|index| engine.sample(index).origin.starts_with(id)));
+        }
+    }
+}
+
+#[test]
 fn the_reference_comes_first_and_a_batch_shares_its_views() {
     let mut all = source(Mix::default(), 64, 1);
     assert_eq!(all.sample(0).views[0], REFERENCE);
