@@ -51,16 +51,6 @@ impl DepthNet {
         Ok(Self { net, grid })
     }
 
-    /// The net, if its views are those of the light field that is being made.
-    pub(super) fn with_grid(self, wanted: ViewGrid) -> Result<Self, ModelError> {
-        if self.grid == wanted {
-            return Ok(self);
-        }
-        let [have, want] = [self.grid, wanted].map(|grid| format!("{} × {}", grid.rows(), grid.cols()));
-        let why = format!("its views are {have}, those of the nets in use {want}");
-        Err(ModelError::Manifest { place: self.net.tag().id, why })
-    }
-
     pub(super) fn net(&self) -> &Net {
         &self.net
     }

@@ -8,6 +8,7 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
 use super::{Manifest, ModelError, Task};
+use crate::field::ViewGrid;
 
 /// The models that were embedded when the program was built: path below `models/`, content.
 static EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded_models.rs"));
@@ -52,6 +53,17 @@ pub struct ModelFile {
 }
 
 impl ModelFile {
+    /// Checks that its views are those of the depth net in use.
+    pub(super) fn check_grid(&self, wanted: ViewGrid) -> Result<(), ModelError> {
+        let own = self.manifest.grid()?;
+        if own == wanted {
+            return Ok(());
+        }
+        let [have, want] = [own, wanted].map(|grid| format!("{} × {}", grid.rows(), grid.cols()));
+        let why = format!("its views are {have} where the depth net in use makes {want}");
+        Err(ModelError::Manifest { place: self.place.clone(), why })
+    }
+
     /// Name and checksum.
     pub fn tag(&self) -> ModelTag {
         ModelTag { id: self.manifest.id.clone(), sha256: self.manifest.sha256.to_lowercase() }

@@ -45,11 +45,7 @@ fn stored(residual: f32) -> i16 {
 impl OcclusionNet {
     /// Checks the model against its manifest and the grid of the depth net.
     pub(super) fn load(file: ModelFile, grid: ViewGrid) -> Result<Self, ModelError> {
-        let own = file.manifest.grid()?;
-        if own != grid {
-            let why = format!("its views are {:?} where the depth net makes {:?}", own, grid);
-            return Err(ModelError::Manifest { place: file.place, why });
-        }
+        file.check_grid(grid)?;
         let views = grid.count();
         let net = Net::load(file, |h, w| vec![1, 4, views, h, w], |h, w| vec![1, 3, views, h, w])?;
         Ok(Self { net })

@@ -149,7 +149,10 @@ impl Synthesizer {
         }
         let file = self.source.further_model(id)?;
         let net = match file.manifest.task {
-            Task::RayDepth => Further::Ray(DepthNet::load(file)?.with_grid(self.grid())?),
+            Task::RayDepth => {
+                file.check_grid(self.grid())?;
+                Further::Ray(DepthNet::load(file)?)
+            }
             _ => Further::Relative(RelativeNet::new(file)),
         };
         let net = Arc::new(net);
