@@ -1,16 +1,14 @@
 //! The depth net: photo → ray depths at the net's working scale (paper, §3.1).
 
-use glam::Vec4;
-
 use super::net::Net;
 use super::picture::Signed;
 use super::resample::{Filter, resample};
 use super::{Channels, ModelError, ModelFile, SynthError};
-use crate::field::{DisparityMap, View, ViewGrid, fit_long_side};
+use crate::field::{DisparityMap, View, ViewGrid, ViewIndex, fit_long_side};
 use crate::job::Job;
 
 /// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
-const BUCKET_PX: usize = 16;
+const STEP_PX: u32 = 16;
 
 /// The depth net of a manifest with `task = "ray-depth"`.
 pub(super) struct DepthNet {
@@ -63,8 +61,7 @@ impl DepthNet {
     pub(super) fn estimate(&self, photo: &View, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
         let mut merged: Option<NetDepths> = None;
         for side in self.net.manifest().working_long_side.as_slice() {
-            let size = fit_long_side(photo.size(), *side).map(|side| side as usize);
-            let fine = self.at_scale(&Signed::resized(photo, size), threads, job)?;
+            let fine = self.at_scale(photo, *side, threads, job)?;
             merged = Some(match merged {
                 Some(coarse) => with_order_of(fine, &coarse),
                 None => fine,
@@ -74,51 +71,74 @@ impl DepthNet {
             .ok_or_else(|| ModelError::Manifest { place: self.net.tag().id, why: "no working scale".to_owned() }.into())
     }
 
-    fn at_scale(&self, photo: &Signed, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
+    fn at_scale(&self, photo: &View, long_side: u32, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
         let manifest = self.net.manifest();
-        let padded = bucket(photo.size, manifest.multiple_of as usize);
-        let input = net_input(photo, padded, &manifest.inputs);
-        let shape = [1, manifest.input_channels(), padded[1], padded[0]];
-        let output = self.net.run(&shape, &input, threads, job.cancel)?;
-        Ok(NetDepths { grid: self.grid, size: photo.size, maps: crop(&output, padded, photo.size) })
+        let size = working_size(photo.size(), long_side, manifest.multiple_of);
+        let mut picture = Signed::resized(photo, size);
+        let mut maps = self.answer(&picture, threads, job)?;
+        if manifest.mirrored {
+            picture.mirror();
+            add_mirrored(&mut maps, &self.answer(&picture, threads, job)?, self.grid, size);
+            maps.iter_mut().for_each(|d| *d /= 2.0);
+        }
+        let unit = width_unit(photo.size(), size);
+        maps.iter_mut().for_each(|d| *d *= unit);
+        Ok(NetDepths { grid: self.grid, size, maps })
+    }
+
+    /// What the net itself says of a picture, `[v, u, y, x]`.
+    fn answer(&self, picture: &Signed, threads: usize, job: &Job) -> Result<Vec<f32>, SynthError> {
+        let manifest = self.net.manifest();
+        let shape = [1, manifest.input_channels(), picture.size[1], picture.size[0]];
+        let output = self.net.run(&shape, &net_input(picture, &manifest.inputs), threads, job.cancel)?;
+        Ok(output.to_vec())
     }
 }
 
-/// The size at which a net is made ready for a picture.
-fn bucket(size: [usize; 2], multiple_of: usize) -> [usize; 2] {
-    size.map(|side| side.next_multiple_of(multiple_of * BUCKET_PX.div_ceil(multiple_of)))
+/// The size at which a net sees a photo: nearly the photo's shape, both sides multiples of what the net asks for. A
+/// picture stretched by a few per cent is no other picture to a net; rows that repeat the edge are.
+fn working_size(photo: [u32; 2], long_side: u32, multiple_of: u32) -> [usize; 2] {
+    let step = multiple_of * STEP_PX.div_ceil(multiple_of);
+    fit_long_side(photo, long_side).map(|side| ((side + step / 2) / step).max(1) * step).map(|side| side as usize)
 }
 
-/// The channels that a net asks for, `[c, y, x]`, the last row and column repeated up to the padded size.
-fn net_input(photo: &Signed, padded: [usize; 2], channels: &[Channels]) -> Vec<f32> {
-    let mut input = Vec::new();
-    let mut plane = |value: &dyn Fn(usize, usize) -> f32| {
-        let [w, h] = photo.size;
-        let places = (0..padded[1]).flat_map(|y| (0..padded[0]).map(move |x| (x.min(w - 1), y.min(h - 1))));
-        input.extend(places.map(|(x, y)| value(x, y)));
-    };
+/// What turns the net's disparities into pixels of its picture's width: they are pixels of the picture without
+/// stretch, whose long side it keeps.
+fn width_unit(photo: [u32; 2], size: [usize; 2]) -> f32 {
+    let long = |size: [f32; 2]| size[0].max(size[1]);
+    let [photo, size] = [photo.map(|side| side as f32), size.map(|side| side as f32)];
+    size[0] / photo[0] * (long(photo) / long(size))
+}
+
+/// Adds the maps of the mirrored picture, turned back: right becomes left in every map and among the views. The
+/// grid has no view opposite to its outermost left ones; the nearest stands in.
+fn add_mirrored(maps: &mut [f32], mirrored: &[f32], grid: ViewGrid, [w, h]: [usize; 2]) {
+    for (layer, map) in maps.chunks_exact_mut(w * h).enumerate() {
+        let at = grid.view_from_layer(layer);
+        let opposite = (2 * grid.reference().u).saturating_sub(at.u).min(grid.cols() as u8 - 1);
+        let other = grid.layer_from_view(ViewIndex { u: opposite, ..at });
+        let rows = mirrored[other * w * h..][..w * h].chunks_exact(w);
+        for (row, other) in map.chunks_exact_mut(w).zip(rows) {
+            row.iter_mut().zip(other.iter().rev()).for_each(|(d, m)| *d += m);
+        }
+    }
+}
+
+/// The channels that a net asks for, `[c, y, x]`.
+fn net_input(photo: &Signed, channels: &[Channels]) -> Vec<f32> {
+    let [w, h] = photo.size;
     let unit = |i: usize, n: usize| if n > 1 { 2.0 * i as f32 / (n - 1) as f32 - 1.0 } else { 0.0 };
+    let mut input = Vec::new();
     for group in channels {
         match group {
-            Channels::Rgb => {
-                let colour = |c: fn(&Vec4) -> f32| move |x: usize, y: usize| c(&photo.pixels[y * photo.size[0] + x]);
-                plane(&colour(|p| p.x));
-                plane(&colour(|p| p.y));
-                plane(&colour(|p| p.z));
-            }
+            Channels::Rgb => (0..3).for_each(|c| input.extend(photo.pixels.iter().map(|pixel| pixel[c]))),
             Channels::Yx => {
-                plane(&|_, y| unit(y, photo.size[1]));
-                plane(&|x, _| unit(x, photo.size[0]));
+                input.extend((0..w * h).map(|i| unit(i / w, h)));
+                input.extend((0..w * h).map(|i| unit(i % w, w)));
             }
         }
     }
     input
-}
-
-/// Takes the padding off every map.
-fn crop(maps: &[f32], padded: [usize; 2], size: [usize; 2]) -> Vec<f32> {
-    let rows = maps.chunks_exact(padded[0] * padded[1]).flat_map(|map| map.chunks_exact(padded[0]).take(size[1]));
-    rows.flat_map(|row| row[..size[0]].iter().copied()).collect()
 }
 
 /// The fine maps' detail on the coarse maps' order: what the fine scale says blurred to the coarse one is replaced.
@@ -136,24 +156,53 @@ fn with_order_of(fine: NetDepths, coarse: &NetDepths) -> NetDepths {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec4;
+
     use super::*;
 
     #[test]
-    fn coordinates_run_from_minus_one_to_one_over_the_picture_and_the_padding_repeats_them() {
+    fn coordinates_run_from_minus_one_to_one_over_the_picture() {
         let photo = Signed { size: [3, 2], pixels: (0..6).map(|i| Vec4::splat(i as f32)).collect() };
-        let input = net_input(&photo, [4, 2], &[Channels::Yx, Channels::Rgb]);
-        assert_eq!(input[..8], [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
-        assert_eq!(input[8..12], [-1.0, 0.0, 1.0, 1.0]);
-        assert_eq!(input[16..24], [0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 5.0, 5.0]);
-        assert_eq!(crop(&input[16..24], [4, 2], [3, 2]), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        let input = net_input(&photo, &[Channels::Yx, Channels::Rgb]);
+        assert_eq!(input[..6], [-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]);
+        assert_eq!(input[6..12], [-1.0, 0.0, 1.0, -1.0, 0.0, 1.0]);
+        assert_eq!(input[12..18], [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     }
 
     #[test]
     fn photos_of_odd_shapes_share_few_sizes() {
-        let sizes: std::collections::BTreeSet<_> = (180..=202).map(|h| bucket([270, h], 1)).collect();
-        assert_eq!(sizes, [[272, 192], [272, 208]].into());
-        assert_eq!(bucket([112, 75], 16), [112, 80]);
-        assert_eq!(bucket([100, 25], 12), [120, 48]);
+        let sizes: std::collections::BTreeSet<_> = (180..=202).map(|h| working_size([270, h], 270, 1)).collect();
+        assert_eq!(sizes, [[272, 176], [272, 192], [272, 208]].into());
+        assert_eq!(working_size([4000, 3000], 128, 16), [128, 96]);
+        assert_eq!(working_size([3000, 2000], 112, 16), [112, 80]);
+        assert_eq!(working_size([100, 25], 128, 12), [96, 24]);
+        assert_eq!(working_size([5000, 3], 128, 16), [128, 16]);
+    }
+
+    #[test]
+    fn disparities_are_those_of_the_picture_without_stretch() {
+        // Landscape: the width is the long side. Portrait: the net saw a width of 80 where 85⅓ had been right.
+        assert!((width_unit([3000, 2000], [112, 80]) - 1.0).abs() < 1e-6);
+        assert!((width_unit([2000, 3000], [80, 128]) - 80.0 / (2.0 / 3.0 * 128.0)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_mirrored_light_field_is_turned_back() {
+        let grid = ViewGrid::PAPER;
+        let (w, h) = (3, 2);
+        let number = |u: i32, x: usize| (10 * (u - 4)) as f32 + x as f32;
+        let maps = |value: &dyn Fn(i32, usize) -> f32| -> Vec<f32> {
+            let view = |layer: usize| (0..w * h).map(move |i| (i32::from(grid.view_from_layer(layer).u), i % w));
+            (0..grid.count()).flat_map(view).map(|(u, x)| value(u, x)).collect()
+        };
+        let truth = maps(&number);
+        let mut sum = truth.clone();
+        add_mirrored(&mut sum, &maps(&|u, x| number(8 - u, w - 1 - x)), grid, [w, h]);
+        for (layer, (sum, truth)) in sum.chunks_exact(w * h).zip(truth.chunks_exact(w * h)).enumerate() {
+            // View 8 is not on the grid: view 7 stands in for it, one step away.
+            let off = if grid.view_from_layer(layer).u == 0 { 10.0 } else { 0.0 };
+            assert!(sum.iter().zip(truth).all(|(s, t)| *s == 2.0 * t + off), "{layer}");
+        }
     }
 
     #[test]

@@ -55,6 +55,10 @@ pub struct LossWeights {
     /// Order of pairs within a row
     #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
     pub w_ordinal: f32,
+    /// Order of pairs within a column
+    #[arg(long, default_value_t = 0.25, help_heading = "Losses")]
+    #[serde(default)]
+    pub w_columns: f32,
     /// Least step of the true ray depths that makes such a pair, px per view step
     #[arg(long, default_value_t = 0.12, help_heading = "Losses")]
     pub ordinal_apart_px: f32,
@@ -222,6 +226,7 @@ impl Config {
             w_edges: 0.0,
             w_row: 0.0,
             w_ordinal: 0.0,
+            w_columns: 0.0,
             w_consistency: 0.005,
             w_tv: 0.01,
             ..self.losses

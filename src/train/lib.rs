@@ -11,6 +11,7 @@ mod error;
 pub mod eslf;
 pub mod eval;
 pub mod export;
+pub mod field;
 pub mod loss;
 pub mod nets;
 pub mod ops;

@@ -9,7 +9,7 @@ use crate::TrainError;
 use crate::batch::Batch;
 use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
-use crate::loss::{self, Maps};
+use crate::loss::{self, Along, Maps};
 use crate::nets::{Graph, Mode, Tape, Weights, values, zeros};
 use crate::ops::Path;
 use crate::optimizer::Step;
@@ -52,9 +52,10 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
     if weights.w_row > 0.0 {
         parts.insert("row", loss::row_centred(maps, depth, truth, weights.w_row / small, g) / small);
     }
-    if weights.w_ordinal > 0.0 {
+    let pairs = [("ordinal", Along::Rows, weights.w_ordinal), ("columns", Along::Columns, weights.w_columns)];
+    for (name, along, weight) in pairs.into_iter().filter(|(.., weight)| *weight > 0.0) {
         let apart = weights.ordinal_apart_px * small;
-        parts.insert("ordinal", loss::ordinal(maps, depth, truth, apart, weights.w_ordinal / small, g) / small);
+        parts.insert(name, loss::ordinal(maps, depth, truth, along, apart, weight / small, g) / small);
     }
     if weights.w_affine > 0.0 {
         let size = maps.views.len() * maps.plane();

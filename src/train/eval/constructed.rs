@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::metrics::{Rgb, correlation, l1, l1_where, mean};
+use super::Rgb;
+use super::metrics::{correlation, l1, l1_where, mean};
 use super::sheet::{depth_tile, usual_range};
 use super::{CORNERS, Predictor, photos, warp};
 use crate::scenes::raster::Raster;

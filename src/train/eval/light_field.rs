@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::metrics::{Rgb, correlation, l1, mean, psnr, ssim};
+use super::Rgb;
+use super::metrics::{correlation, l1, mean, psnr, ssim};
 use super::sheet::{depth_tile, epi_tile, usual_range};
 use super::sweep::{Swept, picture, reference_depth};
 use super::{CORNERS, Prediction, Predictor, TrueField, warp};

@@ -1,9 +1,6 @@
 //! Differences between pictures and between depth maps. Pictures are sRGB 0 … 1.
 
-use crate::scenes::raster::Raster;
-
-/// A picture, sRGB 0 … 1.
-pub type Rgb = Raster<[f32; 3]>;
+use crate::scenes::raster::{Raster, Rgb};
 
 /// Mean absolute difference over pixels and channels; in −1 … 1 it is twice that.
 pub fn l1(a: &Rgb, b: &Rgb) -> f32 {

@@ -13,7 +13,7 @@
 
 mod command;
 pub mod constructed;
-mod field;
+mod error;
 pub mod light_field;
 pub mod metrics;
 mod model;
@@ -26,9 +26,11 @@ pub mod warp;
 mod tests;
 
 pub use command::{command, run};
-pub use field::{EvalError, TrueField};
-pub use metrics::Rgb;
+pub use error::EvalError;
 pub use model::Models;
+
+pub use crate::field::TrueField;
+pub use crate::scenes::raster::Rgb;
 
 /// Layers of the corner views.
 pub const CORNERS: [usize; 4] = [0, 7, 56, 63];

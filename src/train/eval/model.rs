@@ -6,7 +6,7 @@ use plenoscope::field::Photo;
 use plenoscope::job::{Cancel, Job};
 use plenoscope::synth::{DepthSource, ModelSource, ModelTag, SynthParams, Synthesizer};
 
-use super::metrics::Rgb;
+use super::Rgb;
 use super::{Prediction, Predictor};
 use crate::scenes::raster::Raster;
 

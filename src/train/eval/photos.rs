@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::metrics::{Rgb, mean, median, spearman, within_rows};
+use super::Rgb;
+use super::metrics::{mean, median, spearman, within_rows};
 use super::sheet::{depth_tile, usual_range};
 use super::{EvalError, Predictor};
 use crate::scenes::raster::{Raster, distance_inside};

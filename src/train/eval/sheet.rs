@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plenoscope::io::save::{SaveError, atomic};
 
-use super::metrics::Rgb;
+use super::Rgb;
 use crate::scenes::raster::Raster;
 
 /// Space between tiles, in pixels.

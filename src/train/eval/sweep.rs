@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::metrics::Rgb;
+use super::Rgb;
 use super::{OUTER_STEPS, TrueField, warp};
 use crate::scenes::raster::Raster;
 use crate::scenes::steps;

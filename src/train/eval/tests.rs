@@ -21,7 +21,7 @@ fn plane_field(disparity: f32) -> TrueField {
         let (du, dv) = steps(layer);
         warp::plane(&reference, disparity, du, dv)
     };
-    TrueField { name: "plane".into(), size: [72, 56], views: (0..64).map(view).collect() }
+    TrueField { name: "plane".into(), size: [72, 56], views: (0..64).map(view).collect(), disparity: None }
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn the_truth_closes_the_gap_and_a_plane_closes_nothing() {
         let (du, dv) = steps(layer);
         warp::lambertian(&reference, &truth(layer), du, dv)
     };
-    let field = TrueField { name: "slope".into(), size: [96, 64], views: (0..64).map(view).collect() };
+    let field = TrueField { name: "slope".into(), size: [96, 64], views: (0..64).map(view).collect(), disparity: None };
     let right = |_: &Rgb| Ok(Prediction { disparity_px: (0..64).flat_map(truth).collect(), corrected: None });
     let found = light_field::evaluate(&field, &right).unwrap().figures;
     assert!(found.corners.predicted < 1e-5 && found.lambertian.l1_01 < 1e-5, "{:?}", found.corners);

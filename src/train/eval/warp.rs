@@ -1,6 +1,6 @@
 //! A view from the reference view and a disparity: `L_r(x, u) = L(x + u·D(x, u), 0)` (paper, §3).
 
-use super::metrics::Rgb;
+use super::Rgb;
 use crate::scenes::raster::Raster;
 
 /// The view `(du, dv)` steps away, its ray depths given at its own pixels (`[y, x]`, pixels per view step).

@@ -143,31 +143,43 @@ pub fn row_centred(maps: &Maps, depth: &[f32], truth: &[f32], weight: f32, gradi
 /// Distances in px of the pairs of the ordinal loss.
 const REACHES: [usize; 5] = [3, 6, 12, 24, 48];
 
-/// Order within rows: for pairs of one row whose true ray depths differ by at least `apart` px, mean of
-/// max(0, margin − (D₁ − D₂)·sign(D₁* − D₂*)) with a margin of |D₁* − D₂*|, at most twice `apart`.
-/// The row's height in the picture tells nothing about such a pair; only what stands there does.
-pub fn ordinal(maps: &Maps, depth: &[f32], truth: &[f32], apart: f32, weight: f32, gradient: &mut [f32]) -> f32 {
-    let w = maps.width;
-    let pairs = |t: &[f32]| {
-        REACHES.iter().map(|&r| (r..t.len()).filter(|&i| (t[i] - t[i - r]).abs() >= apart).count()).sum::<usize>()
-    };
-    let count = truth.par_chunks(w).map(pairs).sum::<usize>().max(1);
+/// Along which axis pairs of the ordinal loss lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// Pairs of one row: its height in the picture tells nothing about them, only what stands there does.
+    Rows,
+    /// Pairs of one column: ground, and what stands on it.
+    Columns,
+}
+
+/// Order of pairs whose true ray depths differ by at least `apart` px: mean of max(0, margin − (D₁ − D₂)·sign(D₁* − D₂*))
+/// with a margin of |D₁* − D₂*|, at most twice `apart`.
+pub fn ordinal(
+    maps: &Maps,
+    depth: &[f32],
+    truth: &[f32],
+    along: Along,
+    apart: f32,
+    weight: f32,
+    gradient: &mut [f32],
+) -> f32 {
+    let plane = maps.plane();
+    let apart_in = |t: &[f32]| pairs(maps, along).filter(|&(i, j)| (t[i] - t[j]).abs() >= apart).count();
+    let count = truth.par_chunks(plane).map(apart_in).sum::<usize>().max(1);
     let k = weight / count as f32;
-    let sums: Vec<f64> = (depth.par_chunks(w), truth.par_chunks(w), gradient.par_chunks_mut(w))
+    let sums: Vec<f64> = (depth.par_chunks(plane), truth.par_chunks(plane), gradient.par_chunks_mut(plane))
         .into_par_iter()
         .map(|(d, t, g)| {
             let mut sum = 0.0f64;
-            for reach in REACHES {
-                for i in reach..t.len() {
-                    let (j, step) = (i - reach, t[i] - t[i - reach]);
-                    // NaN steps (an end unknown) fail the comparison.
-                    if step.abs() >= apart {
-                        let lack = step.abs().min(2.0 * apart) - (d[i] - d[j]) * sign(step);
-                        if lack > 0.0 {
-                            sum += f64::from(lack);
-                            g[i] -= k * sign(step);
-                            g[j] += k * sign(step);
-                        }
+            for (i, j) in pairs(maps, along) {
+                let step = t[i] - t[j];
+                // NaN steps (an end unknown) fail the comparison.
+                if step.abs() >= apart {
+                    let lack = step.abs().min(2.0 * apart) - (d[i] - d[j]) * sign(step);
+                    if lack > 0.0 {
+                        sum += f64::from(lack);
+                        g[i] -= k * sign(step);
+                        g[j] += k * sign(step);
                     }
                 }
             }
@@ -175,4 +187,13 @@ pub fn ordinal(maps: &Maps, depth: &[f32], truth: &[f32], apart: f32, weight: f3
         })
         .collect();
     (sums.iter().sum::<f64>() / count as f64) as f32
+}
+
+/// Pixels of a map and those that lie [`REACHES`] to the left of them or above.
+fn pairs(maps: &Maps, along: Along) -> impl Iterator<Item = (usize, usize)> {
+    let (plane, w) = (maps.plane(), maps.width);
+    REACHES.into_iter().flat_map(move |reach| {
+        let (back, first) = if along == Along::Rows { (reach, reach) } else { (reach * w, 0) };
+        (back..plane).filter(move |i| i % w >= first).map(move |i| (i, i - back))
+    })
 }

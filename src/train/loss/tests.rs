@@ -47,7 +47,8 @@ fn supervised_losses_have_their_derivatives() {
     let (depth, truth) = (random(maps.len(), 1, -1.0, 1.0), truth_with_gaps(maps.len()));
     check(&depth, |d, w, g| supervised(d, &truth, w, g));
     check(&depth, |d, w, g| row_centred(&maps, d, &truth, w, g));
-    check(&depth, |d, w, g| ordinal(&maps, d, &truth, 0.3, w, g));
+    check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Rows, 0.3, w, g));
+    check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Columns, 0.3, w, g));
     check(&depth, |d, w, g| affine(&maps, d, &truth, &[(0.7, 0.1), (1.3, -0.2)], 0.5, w, g));
 }
 

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::field::TrueFieldError;
+
 /// Training data that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -31,6 +33,9 @@ pub enum SceneError {
         /// The file.
         path: PathBuf,
     },
+    /// A light field that cannot be used.
+    #[error(transparent)]
+    Field(#[from] TrueFieldError),
     /// Nothing to train on.
     #[error("the folder holds no training pictures; expected flowers/, everyday/, photos_depth/ or lightfields/ in it: {}", path.display())]
     Empty {

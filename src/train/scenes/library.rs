@@ -36,6 +36,11 @@ impl Picture {
         Self { id, rgb, mask, nearness, cutout: OnceLock::new() }
     }
 
+    /// Whether the photo comes from one of the flower folders.
+    pub fn is_flower(&self) -> bool {
+        !self.id.starts_with("everyday/")
+    }
+
     /// The subject and what is behind it, made at its first use; none without a mask.
     pub fn cutout(&self) -> Option<&Cutout> {
         self.cutout.get_or_init(|| self.mask.as_ref().map(|mask| Cutout::new(self, mask))).as_ref()

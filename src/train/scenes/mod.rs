@@ -213,7 +213,7 @@ impl Source {
         let pick = |wanted: &dyn Fn(&Picture) -> bool| -> Vec<usize> {
             (0..library.pictures.len()).filter(|&i| wanted(&library.pictures[i])).collect()
         };
-        let flower = |p: &Picture| !p.id.starts_with("everyday/");
+        let flower = Picture::is_flower;
         let masked = [pick(&|p| p.mask.is_some() && flower(p)), pick(&|p| p.mask.is_some() && !flower(p))];
         let mapped = [pick(&|p| p.nearness.is_some() && !flower(p)), pick(&|p| p.nearness.is_some() && flower(p))];
         Self { config: config.clone(), library, masked, mapped }

@@ -9,6 +9,9 @@ pub struct Raster<T> {
     pub px: Vec<T>,
 }
 
+/// A picture, sRGB.
+pub type Rgb = Raster<[f32; 3]>;
+
 /// What a [`Raster`] can hold and interpolate.
 pub trait Texel: Copy + Send + Sync {
     /// What interpolation gives.

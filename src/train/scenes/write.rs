@@ -1,17 +1,17 @@
 //! `plenoscope-train data`: samples as folders of views that the window can open, and one sheet to look at.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use anyhow::Result;
 use clap::{ArgMatches, Command, arg, value_parser};
-use plenoscope::field::{LightField, RayDepths, View, ViewGrid};
+use plenoscope::field::{RayDepths, ViewGrid};
 use plenoscope::io::formats::{self, views};
 use plenoscope::job::{Cancel, Job};
 
 use super::raster::Raster;
 use super::{Config, Mix, Sample, Source};
 use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range, write_png};
+use crate::field::light_field;
 
 /// What the command line understands.
 pub fn command() -> Command {
@@ -115,14 +115,7 @@ fn ray_depths(sample: &Sample) -> Result<RayDepths> {
 /// A sample of fewer views; a disk that cannot be written.
 pub fn write(folder: &Path, sample: &Sample) -> Result<()> {
     anyhow::ensure!(sample.views.len() == 64, "a sample of {} views; expected all 64", sample.views.len());
-    let size = sample.size.map(|side| side as u32);
-    let byte = |c: f32| (c * 255.0 + 0.5) as u8;
-    let view = |picture: Raster<[f32; 3]>| {
-        let rgba = picture.px.iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2]), 255]).collect();
-        View::new(size, rgba).map(Arc::new)
-    };
-    let views = pictures(sample).into_iter().map(view).collect::<Result<_, _>>()?;
-    let field = LightField::new(ViewGrid::PAPER, views)?;
+    let field = light_field(&pictures(sample))?;
     let depths = all_known(sample).then(|| ray_depths(sample)).transpose()?;
     let cancel = Cancel::default();
     let job = Job { cancel: &cancel, sink: &() };
