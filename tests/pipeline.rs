@@ -132,6 +132,23 @@ fn a_light_field_from_the_cache_is_the_one_that_was_put_there() {
 }
 
 #[test]
+fn a_light_field_is_made_anew_when_a_manifest_says_otherwise() {
+    let (folder, kept) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let source = models(folder.path());
+    let cache = Cache::new(kept.path(), 1 << 30);
+    let cancel = Cancel::default();
+    let (params, job) = (SynthParams::default(), Job { cancel: &cancel, sink: &() });
+    let made = || Synthesizer::load(&source).unwrap().synthesize_cached(&photo(50, 30), &params, &cache, &job).unwrap();
+    let before = made();
+    let path = folder.path().join("depth/manifest.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text + "mirrored = true\n").unwrap();
+    let after = made();
+    assert_eq!(before.models, after.models, "the same nets");
+    assert_ne!(before.depths, after.depths);
+}
+
+#[test]
 fn odd_and_tiny_photos_become_light_fields_too() {
     let folder = tempfile::tempdir().unwrap();
     let synthesizer = Synthesizer::load(&models(folder.path())).unwrap();

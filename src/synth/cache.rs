@@ -16,7 +16,7 @@ use flate2::write::ZlibEncoder;
 use sha2::{Digest, Sha256};
 
 use super::library::hex;
-use super::{ModelTag, SynthParams};
+use super::{Manifest, SynthParams};
 use crate::field::{DisparityMap, Photo};
 
 /// First bytes of an entry; the number grows with its layout.
@@ -123,11 +123,12 @@ impl Cache {
 
 impl CacheKey {
     /// The key of a photo's light field.
-    pub(super) fn new(photo: &Photo, params: &SynthParams, models: &[ModelTag]) -> Self {
+    pub(super) fn new(photo: &Photo, params: &SynthParams, models: &[Manifest]) -> Self {
         let mut hash = Sha256::new();
         hash.update(env!("CARGO_PKG_VERSION"));
         hash.update(format!("{:?} {} {} {:?}", photo.size(), params.long_side, params.occlusion, params.source));
-        models.iter().for_each(|tag| hash.update(format!("{} {}", tag.id, tag.sha256)));
+        // All that a manifest says counts: who tries another working scale must not be shown the old one's light field.
+        models.iter().for_each(|manifest| hash.update(format!("{manifest:?}")));
         hash.update(photo.srgb8());
         for map in [&params.disparity, &params.phone] {
             hash.update([u8::from(map.is_some())]);

@@ -25,13 +25,12 @@ impl Synthesizer {
         job: &Job,
     ) -> Result<Synthesis, SynthError> {
         let started = Instant::now();
-        let models = self.models(params);
-        let key = CacheKey::new(photo, params, &models);
+        let key = CacheKey::new(photo, params, &self.manifests(params));
         let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
         if let Some(entry) = cache.read(&key)
             && let Some((field, depths)) = pool.install(|| self.restored(photo, params, &entry, job))?
         {
-            return Ok(Synthesis { field, depths, models, took: started.elapsed() });
+            return Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() });
         }
         let made = self.synthesize(photo, params, job)?;
         if let Some(entry) = pool.install(|| self.entry(&made))

@@ -67,8 +67,9 @@ impl DepthNet {
                 None => fine,
             });
         }
-        merged
-            .ok_or_else(|| ModelError::Manifest { place: self.net.tag().id, why: "no working scale".to_owned() }.into())
+        let none =
+            || ModelError::Manifest { place: self.net.manifest().id.clone(), why: "no working scale".to_owned() };
+        merged.ok_or_else(|| none().into())
     }
 
     fn at_scale(&self, photo: &View, long_side: u32, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {

@@ -63,11 +63,6 @@ impl ModelFile {
         let why = format!("its views are {have} where the depth net in use makes {want}");
         Err(ModelError::Manifest { place: self.place.clone(), why })
     }
-
-    /// Name and checksum.
-    pub fn tag(&self) -> ModelTag {
-        ModelTag { id: self.manifest.id.clone(), sha256: self.manifest.sha256.to_lowercase() }
-    }
 }
 
 impl ModelSource {

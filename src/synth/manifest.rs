@@ -2,14 +2,14 @@
 
 use serde::Deserialize;
 
-use super::ModelError;
+use super::{ModelError, ModelTag};
 use crate::field::ViewGrid;
 
 /// What a model is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
-    /// Photo → one ray-depth map a view: `[1, C, H, W] → [1, V·U, H, W]`, pixels per view step at its own width.
+    /// Photo → one ray-depth map a view: `[1, C, H, W] → [1, V·U, H, W]`, pixels per view step at its own long side.
     RayDepth,
     /// Lambertian views and ray depths → residual: `[1, 4, V·U, H, W] → [1, 3, V·U, H, W]`.
     Occlusion,
@@ -210,6 +210,11 @@ impl Manifest {
         let manifest: Self = toml::from_str(text).map_err(|error| bad(error.message().to_owned()))?;
         manifest.check().map_err(bad)?;
         Ok(manifest)
+    }
+
+    /// Name and checksum.
+    pub fn tag(&self) -> ModelTag {
+        ModelTag { id: self.id.clone(), sha256: self.sha256.to_lowercase() }
     }
 
     /// Rows and columns of views that it makes.

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::tract::{EngineError, Options, Output, Runnable, prepare};
-use super::{Manifest, ModelError, ModelFile, ModelTag, SynthError};
+use super::{Manifest, ModelError, ModelFile, SynthError};
 use crate::job::{Cancel, Cancelled};
 use crate::kernel::winograd::VolumeChain;
 
@@ -67,11 +67,6 @@ impl Net {
     /// What the model says about itself.
     pub(super) fn manifest(&self) -> &Manifest {
         &self.file.manifest
-    }
-
-    /// Its name and checksum.
-    pub(super) fn tag(&self) -> ModelTag {
-        self.file.tag()
     }
 
     /// Runs it on the row-major values of an input of this shape.

@@ -10,7 +10,9 @@ use super::occlusion::OcclusionNet;
 use super::picture::{Signed, reference_view};
 use super::relative::RelativeNet;
 use super::resample::{Filter, nearest, resample};
-use super::{DepthSource, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task};
+use super::{
+    DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task,
+};
 use super::{fuse, lambertian, lift, memory, tract, upsample};
 use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex, fit_long_side};
 use crate::job::{Job, Stage};
@@ -39,10 +41,10 @@ enum Further {
 }
 
 impl Further {
-    fn tag(&self) -> ModelTag {
+    fn manifest(&self) -> &Manifest {
         match self {
-            Self::Ray(net) => net.net().tag(),
-            Self::Relative(net) => net.net().tag(),
+            Self::Ray(net) => net.net().manifest(),
+            Self::Relative(net) => net.net().manifest(),
         }
     }
 }
@@ -68,14 +70,20 @@ impl Synthesizer {
 
     /// Name and checksum of the models that take part in a synthesis with these parameters.
     pub fn models(&self, params: &SynthParams) -> Vec<ModelTag> {
+        self.manifests(params).iter().map(Manifest::tag).collect()
+    }
+
+    /// Manifests of the models that take part in a synthesis with these parameters.
+    pub(super) fn manifests(&self, params: &SynthParams) -> Vec<Manifest> {
+        let own = || self.depth.net().manifest().clone();
         let depth = match &params.source {
             _ if params.disparity.is_some() => None,
-            DepthSource::Network | DepthSource::Fused => Some(self.depth.net().tag()),
+            DepthSource::Network | DepthSource::Fused => Some(own()),
             // One that cannot be read is told of when it is to run.
-            DepthSource::Model(id) => self.further(id).ok().map(|net| net.tag()),
-            DepthSource::Phone => params.phone.is_none().then(|| self.depth.net().tag()),
+            DepthSource::Model(id) => self.further(id).ok().map(|net| net.manifest().clone()),
+            DepthSource::Phone => params.phone.is_none().then(own),
         };
-        let occlusion = self.occlusion.as_ref().filter(|_| params.occlusion).map(|net| net.net().tag());
+        let occlusion = self.occlusion.as_ref().filter(|_| params.occlusion).map(|net| net.net().manifest().clone());
         depth.into_iter().chain(occlusion).collect()
     }
 

@@ -109,8 +109,8 @@ impl Source {
             _ if wall => {
                 Depths { back: walls::upright(rng, full), front: usual_front(&place, cutout, full), rough: false }
             }
-            // Flowers are shown in both ways. Elsewhere a ground by rule would contradict what the map teaches of like photos.
-            Some([front, back]) if rng.chance(0.6) || !picture.is_flower() => Depths {
+            // Flowers are mostly shown by rule. Elsewhere that would contradict what the maps teach of like photos.
+            Some([front, back]) if rng.chance(0.3) || !picture.is_flower() => Depths {
                 back: placed_nearness(back, &place, full),
                 front: placed_nearness(front, &place, full),
                 rough: true,
