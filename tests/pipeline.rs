@@ -142,7 +142,7 @@ fn a_light_field_is_made_anew_when_a_manifest_says_otherwise() {
     let before = made();
     let path = folder.path().join("depth/manifest.toml");
     let text = std::fs::read_to_string(&path).unwrap();
-    std::fs::write(&path, text + "mirrored = true\n").unwrap();
+    std::fs::write(&path, text.replace("working_long_side = 32", "working_long_side = 16")).unwrap();
     let after = made();
     assert_eq!(before.models, after.models, "the same nets");
     assert_ne!(before.depths, after.depths);

@@ -4,7 +4,7 @@ use super::net::Net;
 use super::picture::Signed;
 use super::resample::{Filter, resample};
 use super::{Channels, ModelError, ModelFile, SynthError};
-use crate::field::{DisparityMap, View, ViewGrid, ViewIndex, fit_long_side};
+use crate::field::{DisparityMap, View, ViewGrid, fit_long_side};
 use crate::job::Job;
 
 /// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
@@ -75,24 +75,11 @@ impl DepthNet {
     fn at_scale(&self, photo: &View, long_side: u32, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
         let manifest = self.net.manifest();
         let size = working_size(photo.size(), long_side, manifest.multiple_of);
-        let mut picture = Signed::resized(photo, size);
-        let mut maps = self.answer(&picture, threads, job)?;
-        if manifest.mirrored {
-            picture.mirror();
-            add_mirrored(&mut maps, &self.answer(&picture, threads, job)?, self.grid, size);
-            maps.iter_mut().for_each(|d| *d /= 2.0);
-        }
+        let input = net_input(&Signed::resized(photo, size), &manifest.inputs);
+        let shape = [1, manifest.input_channels(), size[1], size[0]];
+        let output = self.net.run(&shape, &input, threads, job.cancel)?;
         let unit = width_unit(photo.size(), size);
-        maps.iter_mut().for_each(|d| *d *= unit);
-        Ok(NetDepths { grid: self.grid, size, maps })
-    }
-
-    /// What the net itself says of a picture, `[v, u, y, x]`.
-    fn answer(&self, picture: &Signed, threads: usize, job: &Job) -> Result<Vec<f32>, SynthError> {
-        let manifest = self.net.manifest();
-        let shape = [1, manifest.input_channels(), picture.size[1], picture.size[0]];
-        let output = self.net.run(&shape, &net_input(picture, &manifest.inputs), threads, job.cancel)?;
-        Ok(output.to_vec())
+        Ok(NetDepths { grid: self.grid, size, maps: output.iter().map(|d| d * unit).collect() })
     }
 }
 
@@ -109,20 +96,6 @@ fn width_unit(photo: [u32; 2], size: [usize; 2]) -> f32 {
     let long = |size: [f32; 2]| size[0].max(size[1]);
     let [photo, size] = [photo.map(|side| side as f32), size.map(|side| side as f32)];
     size[0] / photo[0] * (long(photo) / long(size))
-}
-
-/// Adds the maps of the mirrored picture, turned back: right becomes left in every map and among the views. The
-/// grid has no view opposite to its outermost left ones; the nearest stands in.
-fn add_mirrored(maps: &mut [f32], mirrored: &[f32], grid: ViewGrid, [w, h]: [usize; 2]) {
-    for (layer, map) in maps.chunks_exact_mut(w * h).enumerate() {
-        let at = grid.view_from_layer(layer);
-        let opposite = (2 * grid.reference().u).saturating_sub(at.u).min(grid.cols() as u8 - 1);
-        let other = grid.layer_from_view(ViewIndex { u: opposite, ..at });
-        let rows = mirrored[other * w * h..][..w * h].chunks_exact(w);
-        for (row, other) in map.chunks_exact_mut(w).zip(rows) {
-            row.iter_mut().zip(other.iter().rev()).for_each(|(d, m)| *d += m);
-        }
-    }
 }
 
 /// The channels that a net asks for, `[c, y, x]`.
@@ -185,25 +158,6 @@ mod tests {
         // Landscape: the width is the long side. Portrait: the net saw a width of 80 where 85⅓ had been right.
         assert!((width_unit([3000, 2000], [112, 80]) - 1.0).abs() < 1e-6);
         assert!((width_unit([2000, 3000], [80, 128]) - 80.0 / (2.0 / 3.0 * 128.0)).abs() < 1e-6);
-    }
-
-    #[test]
-    fn a_mirrored_light_field_is_turned_back() {
-        let grid = ViewGrid::PAPER;
-        let (w, h) = (3, 2);
-        let number = |u: i32, x: usize| (10 * (u - 4)) as f32 + x as f32;
-        let maps = |value: &dyn Fn(i32, usize) -> f32| -> Vec<f32> {
-            let view = |layer: usize| (0..w * h).map(move |i| (i32::from(grid.view_from_layer(layer).u), i % w));
-            (0..grid.count()).flat_map(view).map(|(u, x)| value(u, x)).collect()
-        };
-        let truth = maps(&number);
-        let mut sum = truth.clone();
-        add_mirrored(&mut sum, &maps(&|u, x| number(8 - u, w - 1 - x)), grid, [w, h]);
-        for (layer, (sum, truth)) in sum.chunks_exact(w * h).zip(truth.chunks_exact(w * h)).enumerate() {
-            // View 8 is not on the grid: view 7 stands in for it, one step away.
-            let off = if grid.view_from_layer(layer).u == 0 { 10.0 } else { 0.0 };
-            assert!(sum.iter().zip(truth).all(|(s, t)| *s == 2.0 * t + off), "{layer}");
-        }
     }
 
     #[test]

@@ -172,9 +172,6 @@ pub struct Manifest {
     /// Its input's sides are multiples of this: the photo is stretched to the nearest.
     #[serde(default = "default_multiple")]
     pub multiple_of: u32,
-    /// Whether a depth net is asked twice, of the photo and of its mirror image, and the mean of both counts.
-    #[serde(default)]
-    pub mirrored: bool,
     /// Least and greatest disparity it can say, pixels per view step at its own width. Of a relative-depth model: what
     /// its far and its near end become, by default [`order_range_px`](super::order_range_px).
     #[serde(default)]

@@ -68,11 +68,6 @@ impl Signed {
         Self { size: view.size().map(|side| side as usize), pixels: view.rgba().chunks_exact(4).map(pixel).collect() }
     }
 
-    /// Right becomes left.
-    pub fn mirror(&mut self) {
-        self.pixels.chunks_exact_mut(self.size[0]).for_each(|row| row.reverse());
-    }
-
     /// The same picture at another size, light averaged as light.
     pub fn resized(view: &View, target: [usize; 2]) -> Self {
         let source = view.size().map(|side| side as usize);

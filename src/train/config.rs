@@ -56,7 +56,7 @@ pub struct LossWeights {
     #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
     pub w_ordinal: f32,
     /// Order of pairs within a column
-    #[arg(long, default_value_t = 0.25, help_heading = "Losses")]
+    #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
     #[serde(default)]
     pub w_columns: f32,
     /// Least step of the true ray depths that makes such a pair, px per view step

@@ -65,7 +65,6 @@ fn export_command() -> Command {
                 .required(true),
         )
         .arg(arg!(--"long-side" <PX> "Working long side").value_parser(value_parser!(usize)).required(true))
-        .arg(arg!(--mirrored "Ask the depth net of the photo's mirror image too; the mean counts"))
         .arg(
             arg!(--checkpoint <FILE> "Also save a small checkpoint, without moments, to start from")
                 .required(false)
@@ -110,7 +109,6 @@ fn export(matches: &ArgMatches) -> Result<()> {
         licence: required(matches, "licence")?,
         training_data: matches.get_many::<String>("training-data").into_iter().flatten().cloned().collect(),
         working_long_side: required(matches, "long-side")?,
-        mirrored: matches.get_flag("mirrored"),
     };
     let (folder, difference) = export::export(&net, &about, &required::<PathBuf>(matches, "models")?)?;
     if let Some(path) = matches.get_one::<PathBuf>("checkpoint") {

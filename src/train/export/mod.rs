@@ -3,7 +3,6 @@
 mod onnx;
 mod verify;
 
-use std::ops::Not;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -27,8 +26,6 @@ pub struct About {
     pub training_data: Vec<String>,
     /// Long side in px at which it works best.
     pub working_long_side: usize,
-    /// Whether a depth net is asked of the photo's mirror image too.
-    pub mirrored: bool,
 }
 
 /// `manifest.toml`, in the order it is read.
@@ -45,8 +42,6 @@ struct Manifest<'a> {
     inputs: Option<&'a [&'a str]>,
     working_long_side: usize,
     multiple_of: usize,
-    #[serde(skip_serializing_if = "Not::not")]
-    mirrored: bool,
     disparity_range_px: [f32; 2],
 }
 
@@ -87,7 +82,6 @@ fn manifest(net: &Checkpoint, about: &About, bytes: &[u8]) -> Result<String, Tra
         inputs: (!occlusion).then_some(net.arch.inputs()),
         working_long_side: about.working_long_side,
         multiple_of: net.arch.graph().multiple_of,
-        mirrored: about.mirrored,
         disparity_range_px: [-RANGE_PX, RANGE_PX],
     };
     toml::to_string(&manifest).map_err(|e| TrainError::Data { why: e.to_string() })
@@ -127,15 +121,11 @@ mod tests {
                 licence: "MIT".into(),
                 training_data: vec!["none".into()],
                 working_long_side: 128,
-                mirrored: true,
             };
             let (path, found) = export(&lived_in(arch), &about, folder.path()).unwrap();
             assert!(found <= tolerance(arch), "{found}");
             let text = std::fs::read_to_string(path.join("manifest.toml")).unwrap();
-            assert!(
-                text.contains("sha256") && text.contains("mirrored = true") && text.contains(&format!("id = \"{id}\"")),
-                "{text}"
-            );
+            assert!(text.contains("sha256") && text.contains(&format!("id = \"{id}\"")), "{text}");
         }
     }
 }
