@@ -131,6 +131,7 @@ impl App {
         let mut settings: Settings =
             storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
         settings.long_side = options.long_side.unwrap_or(settings.long_side);
+        settings.source = settings.source.lasting();
         ctx.set_theme(settings.theme);
         let (sender, events) = sync_channel(LETTERS);
         let outbox = Outbox::new(sender, ctx.clone());

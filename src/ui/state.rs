@@ -72,6 +72,17 @@ pub enum Source {
     Model(String),
 }
 
+impl Source {
+    /// What is left of the choice at the next start. A map belongs to one photo and another model to the photos that
+    /// it is good for: one that knows flowers alone takes a wall for near.
+    pub fn lasting(self) -> Self {
+        match self {
+            Self::Map | Self::Model(_) => Self::Network,
+            source => source,
+        }
+    }
+}
+
 /// Kept between runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(default)]
@@ -203,6 +214,12 @@ impl Pose {
 mod tests {
     use super::*;
     use egui::pos2;
+
+    #[test]
+    fn another_model_is_chosen_for_this_run_alone() {
+        assert_eq!(Source::Model("flowers".to_owned()).lasting(), Source::Network);
+        assert_eq!(Source::Fused.lasting(), Source::Fused);
+    }
 
     #[test]
     fn zooming_keeps_what_is_under_the_pointer() {
