@@ -6,7 +6,7 @@ use crate::TrainError;
 use crate::batch::{Batch, Draw};
 use crate::config::{Config, Stage};
 use crate::loss::Maps;
-use crate::scenes::{self, Mix, Sample, Source, Split};
+use crate::scenes::{self, Sample, SceneError, Source, Split};
 
 /// What the data engine is told for a run.
 pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
@@ -17,7 +17,7 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         crop: [width, height],
         views_per_sample: config.views,
         views_group: config.batch as u64,
-        mix: mix(&config.mix)?,
+        mix: config.mix.parse().map_err(|e: SceneError| TrainError::Data { why: e.to_string() })?,
         seed: config.seed,
         split: Split::Train,
         // What is hidden is learned from what the views differ by; noise of their own would be most of it.
@@ -25,29 +25,6 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         augment: true,
         ..scenes::Config::default()
     })
-}
-
-/// Shares from text such as `lifted=0.3,collage=0.3`; kinds that are not named get none, empty text means the usual mix.
-fn mix(text: &str) -> Result<Mix, TrainError> {
-    if text.trim().is_empty() {
-        return Ok(Mix::default());
-    }
-    let wrong = |why: String| TrainError::Data {
-        why: format!("--mix {text:?}: {why}; write e.g. lifted=0.4,pseudo=0.3,collage=0.2,real=0.1"),
-    };
-    let mut mix = Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0 };
-    for part in text.split(',') {
-        let (name, share) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no share")))?;
-        let share: f32 = share.trim().parse().map_err(|error| wrong(format!("{share:?}: {error}")))?;
-        match name.trim() {
-            "lifted" => mix.lifted = share,
-            "collage" => mix.collage = share,
-            "pseudo" => mix.pseudo = share,
-            "real" => mix.real = share,
-            other => return Err(wrong(format!("there is no kind {other:?}"))),
-        }
-    }
-    Ok(mix)
 }
 
 /// Batches of composed scenes: crops in turn, samples numbered through.
@@ -82,17 +59,4 @@ pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainEr
         batch.yx.push(sample.yx);
     }
     Ok(batch)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_mix_is_read_from_text() {
-        assert_eq!(mix("").unwrap(), Mix::default());
-        assert_eq!(mix("lifted=1, real=0.5").unwrap(), Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.5 });
-        assert!(mix("lifted").unwrap_err().to_string().contains("no share"));
-        assert!(mix("flowers=1").unwrap_err().to_string().contains("flowers"));
-    }
 }

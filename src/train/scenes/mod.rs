@@ -22,6 +22,7 @@ mod fields;
 pub mod layer;
 mod library;
 mod lifted;
+mod mix;
 mod place;
 mod plants;
 pub mod raster;
@@ -42,6 +43,7 @@ pub use error::SceneError;
 pub use fields::{Field, VALIDATION_LIGHT_FIELDS};
 use layer::Scene;
 pub use library::{Library, Picture, read_rgb};
+pub use mix::Mix;
 use place::{Canvas, Place};
 
 /// Layer of the reference view (4, 4).
@@ -58,26 +60,6 @@ pub enum Split {
     /// To be judged by.
     #[serde(alias = "test")]
     Val,
-}
-
-/// Shares of the kinds of sample; they need not add up to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Mix {
-    /// Masked photos of two layers.
-    pub lifted: f32,
-    /// Compositions of cut-outs and plants.
-    pub collage: f32,
-    /// Lifted nearness maps.
-    pub pseudo: f32,
-    /// Real light fields.
-    pub real: f32,
-}
-
-impl Default for Mix {
-    fn default() -> Self {
-        Self { lifted: 0.27, collage: 0.18, pseudo: 0.48, real: 0.07 }
-    }
 }
 
 /// What samples are made of and how.

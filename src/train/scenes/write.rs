@@ -28,10 +28,10 @@ pub fn command() -> Command {
         .arg(arg!(--"long-side" <PX> "Long side of the whole picture").default_value("270").value_parser(number()))
         .arg(arg!(--seed <N> "Seed").default_value("1").value_parser(value_parser!(u64)))
         .arg(
-            arg!(--mix <SHARES> "Shares of lifted, collage, pseudo, real")
-                .default_value("0.27,0.18,0.48,0.07")
-                .value_delimiter(',')
-                .value_parser(value_parser!(f32)),
+            arg!(--mix <SHARES> "Shares of the kinds, e.g. `lifted=0.4,pseudo=0.3,collage=0.2,real=0.1`")
+                .default_value("")
+                .hide_default_value(true)
+                .value_parser(value_parser!(Mix)),
         )
 }
 
@@ -42,17 +42,13 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches) -> Result<String> {
     let number = |name: &str| matches.get_one::<usize>(name).copied().unwrap_or(0);
     let path = |name: &str| matches.get_one::<PathBuf>(name).cloned().unwrap_or_default();
-    let shares: Vec<f32> = matches.get_many("mix").into_iter().flatten().copied().collect();
-    let &[lifted, collage, pseudo, real] = shares.as_slice() else {
-        anyhow::bail!("--mix has {} shares; expected four: lifted, collage, pseudo, real", shares.len());
-    };
     let long_side = number("long-side");
     let config = Config {
         data: path("data"),
         long_side,
         crop: [long_side, long_side * 3 / 4],
         views_per_sample: 64,
-        mix: Mix { lifted, collage, pseudo, real },
+        mix: matches.get_one::<Mix>("mix").copied().unwrap_or_default(),
         seed: matches.get_one::<u64>("seed").copied().unwrap_or(1),
         ..Config::default()
     };

@@ -1,0 +1,72 @@
+//! How often which kind of sample is made.
+
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use super::SceneError;
+
+/// Shares of the kinds of sample; they need not add up to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Mix {
+    /// Masked photos of two layers.
+    pub lifted: f32,
+    /// Compositions of cut-outs and plants.
+    pub collage: f32,
+    /// Lifted nearness maps.
+    pub pseudo: f32,
+    /// Real light fields.
+    pub real: f32,
+}
+
+impl Default for Mix {
+    fn default() -> Self {
+        Self { lifted: 0.27, collage: 0.18, pseudo: 0.48, real: 0.07 }
+    }
+}
+
+impl FromStr for Mix {
+    type Err = SceneError;
+
+    /// Shares such as `lifted=0.3,collage=0.3`; kinds that are not named get none, empty text means the usual mix.
+    fn from_str(text: &str) -> Result<Self, SceneError> {
+        let wrong = || SceneError::Config {
+            what: "mix",
+            got: format!("{text:?}"),
+            expected: "shares by kind such as lifted=0.4,collage=0.2,pseudo=0.3,real=0.1",
+        };
+        if text.trim().is_empty() {
+            return Ok(Self::default());
+        }
+        let mut mix = Self { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0 };
+        for part in text.split(',') {
+            let (name, share) = part.split_once('=').ok_or_else(wrong)?;
+            let kind = match name.trim() {
+                "lifted" => &mut mix.lifted,
+                "collage" => &mut mix.collage,
+                "pseudo" => &mut mix.pseudo,
+                "real" => &mut mix.real,
+                _ => return Err(wrong()),
+            };
+            *kind = share.trim().parse().ok().ok_or_else(wrong)?;
+        }
+        Ok(mix)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mix_is_read_from_text() {
+        let mix = |text: &str| text.parse::<Mix>();
+        assert_eq!(mix("").unwrap(), Mix::default());
+        assert_eq!(mix("lifted=1, real=0.5").unwrap(), Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.5 });
+        for wrong in ["lifted", "lifted=much", "flowers=1"] {
+            let text = mix(wrong).unwrap_err().to_string();
+            assert!(text.contains(wrong) && text.contains("lifted=0.4"), "{text}");
+        }
+    }
+}
