@@ -1,10 +1,10 @@
 //! The depth net: photo → ray depths at the net's working scale (paper, §3.1).
 
 use super::net::Net;
-use super::picture::Signed;
+use super::picture::{Signed, size_in_steps};
 use super::resample::{Filter, resample};
 use super::{Channels, ModelError, ModelFile, SynthError};
-use crate::field::{DisparityMap, View, ViewGrid, fit_long_side};
+use crate::field::{DisparityMap, View, ViewGrid};
 use crate::job::Job;
 
 /// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
@@ -83,11 +83,9 @@ impl DepthNet {
     }
 }
 
-/// The size at which a net sees a photo: nearly the photo's shape, both sides multiples of what the net asks for. A
-/// picture stretched by a few per cent is no other picture to a net; rows that repeat the edge are.
+/// The size at which a net sees a photo.
 fn working_size(photo: [u32; 2], long_side: u32, multiple_of: u32) -> [usize; 2] {
-    let step = multiple_of * STEP_PX.div_ceil(multiple_of);
-    fit_long_side(photo, long_side).map(|side| ((side + step / 2) / step).max(1) * step).map(|side| side as usize)
+    size_in_steps(photo, long_side, multiple_of * STEP_PX.div_ceil(multiple_of))
 }
 
 /// What turns the net's disparities into pixels of its picture's width: they are pixels of the picture without

@@ -49,6 +49,12 @@ fn light_row(rgba: &[u8], width: usize, y: usize, buffer: &mut [f32]) {
     }
 }
 
+/// The size nearest to a photo's shape at a long side whose two sides are multiples of `step`. A picture stretched by a
+/// few per cent is no other picture to a net; rows that repeat the edge are.
+pub(super) fn size_in_steps(photo: [u32; 2], long_side: u32, step: u32) -> [usize; 2] {
+    fit_long_side(photo, long_side).map(|side| ((side + step / 2) / step).max(1) * step).map(|side| side as usize)
+}
+
 /// A view's pixels as the nets see them, sRGB-encoded in −1 … 1, ready for bilinear taps.
 ///
 /// # Shapes

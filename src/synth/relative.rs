@@ -1,9 +1,9 @@
 //! Any monocular-depth net with a manifest (`task = "relative-depth"`) as one more source of ray depth.
 
 use super::net::Net;
-use super::picture::Signed;
+use super::picture::{Signed, size_in_steps};
 use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, order_range_px, upsample};
-use crate::field::{DisparityMap, View, fit_long_side};
+use crate::field::{DisparityMap, View};
 use crate::job::Job;
 
 /// Share of the pixels that is left out at either end when relative depth is stretched to the manifest's range.
@@ -50,9 +50,7 @@ fn working_size(manifest: &Manifest, photo: [u32; 2]) -> [usize; 2] {
         return fixed.map(|side| side as usize);
     }
     let side = manifest.working_long_side.as_slice()[0];
-    let multiple = manifest.multiple_of as usize;
-    let nearest = |side: u32| ((side as usize + multiple / 2) / multiple).max(1) * multiple;
-    fit_long_side(photo, side).map(nearest)
+    size_in_steps(photo, side, manifest.multiple_of)
 }
 
 /// Colours in 0 … 1 in the order of the manifest, less its mean, over its deviation, in its layout.
