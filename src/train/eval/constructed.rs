@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::Rgb;
 use super::metrics::{correlation, l1, l1_where, mean};
 use super::sheet::{depth_tile, usual_range};
-use super::{CORNERS, Predictor, photos, warp};
+use super::{CORNERS, Predictor, Rgb, photos, warp};
 use crate::scenes::raster::Raster;
 use crate::scenes::{Config, Mix, REFERENCE, Sample, Source, Split, steps};
 use crate::warp::{RayEnd, ray_end};

@@ -3,11 +3,10 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::Rgb;
 use super::metrics::{correlation, l1, mean, psnr, ssim};
 use super::sheet::{depth_tile, epi_tile, usual_range};
 use super::sweep::{Swept, picture, reference_depth};
-use super::{CORNERS, Prediction, Predictor, TrueField, warp};
+use super::{CORNERS, Prediction, Predictor, Rgb, TrueField, warp};
 use crate::scenes::{REFERENCE, steps};
 
 /// How near a set of 64 views comes to the true ones.

@@ -6,8 +6,7 @@ use plenoscope::field::Photo;
 use plenoscope::job::{Cancel, Job};
 use plenoscope::synth::{DepthSource, ModelSource, ModelTag, SynthParams, Synthesizer};
 
-use super::Rgb;
-use super::{Prediction, Predictor};
+use super::{Prediction, Predictor, Rgb};
 use crate::scenes::raster::Raster;
 
 /// The nets of a models folder, or the ones in the program, run by `plenoscope::synth`.

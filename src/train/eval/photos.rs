@@ -2,10 +2,9 @@
 
 use serde::Serialize;
 
-use super::Rgb;
 use super::metrics::{mean, median, spearman, within_rows};
 use super::sheet::{depth_tile, usual_range};
-use super::{EvalError, Predictor};
+use super::{EvalError, Predictor, Rgb};
 use crate::scenes::raster::{Raster, distance_inside};
 use crate::scenes::{Config, Library, Mix, Picture, REFERENCE, SceneError, Split};
 

@@ -4,8 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::Rgb;
-use super::{OUTER_STEPS, TrueField, warp};
+use super::{OUTER_STEPS, Rgb, TrueField, warp};
 use crate::scenes::raster::Raster;
 use crate::scenes::steps;
 

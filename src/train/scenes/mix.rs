@@ -31,9 +31,9 @@ impl FromStr for Mix {
 
     /// Shares such as `lifted=0.3,collage=0.3`; kinds that are not named get none, empty text means the usual mix.
     fn from_str(text: &str) -> Result<Self, SceneError> {
-        let wrong = || SceneError::Config {
+        let wrong = |why: String| SceneError::Config {
             what: "mix",
-            got: format!("{text:?}"),
+            got: format!("{text:?}, where {why}"),
             expected: "shares by kind such as lifted=0.4,collage=0.2,pseudo=0.3,real=0.1",
         };
         if text.trim().is_empty() {
@@ -41,15 +41,15 @@ impl FromStr for Mix {
         }
         let mut mix = Self { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0 };
         for part in text.split(',') {
-            let (name, share) = part.split_once('=').ok_or_else(wrong)?;
-            let kind = match name.trim() {
-                "lifted" => &mut mix.lifted,
-                "collage" => &mut mix.collage,
-                "pseudo" => &mut mix.pseudo,
-                "real" => &mut mix.real,
-                _ => return Err(wrong()),
-            };
-            *kind = share.trim().parse().ok().ok_or_else(wrong)?;
+            let (name, share) = part.split_once('=').ok_or_else(|| wrong(format!("{part:?} has no share")))?;
+            let share: f32 = share.trim().parse().map_err(|error| wrong(format!("{share:?} is no number: {error}")))?;
+            match name.trim() {
+                "lifted" => mix.lifted = share,
+                "collage" => mix.collage = share,
+                "pseudo" => mix.pseudo = share,
+                "real" => mix.real = share,
+                other => return Err(wrong(format!("{other:?} is no kind"))),
+            }
         }
         Ok(mix)
     }
@@ -64,9 +64,9 @@ mod tests {
         let mix = |text: &str| text.parse::<Mix>();
         assert_eq!(mix("").unwrap(), Mix::default());
         assert_eq!(mix("lifted=1, real=0.5").unwrap(), Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.5 });
-        for wrong in ["lifted", "lifted=much", "flowers=1"] {
-            let text = mix(wrong).unwrap_err().to_string();
-            assert!(text.contains(wrong) && text.contains("lifted=0.4"), "{text}");
+        for (text, word) in [("lifted", "no share"), ("lifted=much", "much"), ("flowers=1", "flowers")] {
+            let error = mix(text).unwrap_err().to_string();
+            assert!(error.contains(word) && error.contains("lifted=0.4"), "{error}");
         }
     }
 }
