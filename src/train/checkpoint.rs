@@ -30,6 +30,9 @@ pub struct Checkpoint {
     pub weights: Weights,
     /// The optimiser's state.
     pub adam: AdamW,
+    /// Running average of the weights and of their statistics, where one is kept: it knows more than the weights of
+    /// any one step.
+    pub average: Option<Weights>,
     /// Where the run stands.
     pub progress: Progress,
 }
@@ -48,7 +51,7 @@ pub enum Moments {
     Exact,
     /// As bf16: the run goes on to within rounding.
     Half,
-    /// Not at all: a third of the file. A run goes on from the weights, its moments anew.
+    /// Not at all, and of the weights their average: a quarter of the file. A run goes on from it, its moments anew.
     Without,
 }
 
@@ -56,7 +59,25 @@ impl Checkpoint {
     /// A net at the start of a run.
     pub fn new(arch: Arch, seed: u64) -> Self {
         let weights = Weights::random(&arch.graph(), seed);
-        Self { arch, adam: AdamW::new(&weights), weights, progress: Progress::default() }
+        Self { arch, adam: AdamW::new(&weights), weights, average: None, progress: Progress::default() }
+    }
+
+    /// The weights to be used: their average, where one is kept.
+    pub fn best(&self) -> &Weights {
+        self.average.as_ref().unwrap_or(&self.weights)
+    }
+
+    /// Takes the weights of a step into the average, which keeps `part` of itself; fewer while it is young.
+    pub fn follow(&mut self, part: f32) {
+        if part <= 0.0 {
+            return;
+        }
+        let Some(average) = &mut self.average else {
+            self.average = Some(self.weights.clone());
+            return;
+        };
+        let young = (1 + self.progress.step) as f32 / (10 + self.progress.step) as f32;
+        average.approach(&self.weights, 1.0 - part.min(young));
     }
 
     /// Writes the file aside, then renames it: an earlier checkpoint stays whole if this fails.
@@ -103,9 +124,14 @@ impl Checkpoint {
                 serde_json::json!(Entry { dtype, shape: shape.to_vec(), data_offsets: [start, data.len()] }),
             );
         };
-        for (i, tensor) in self.weights.tensors.iter().enumerate() {
+        let all = moments != Moments::Without;
+        let weights = if all { &self.weights } else { self.best() };
+        for tensor in self.average.iter().filter(|_| all).flat_map(|average| &average.tensors) {
+            put(format!("average.{}", tensor.name), &tensor.shape, &tensor.values, false);
+        }
+        for (i, tensor) in weights.tensors.iter().enumerate() {
             put(tensor.name.clone(), &tensor.shape, &tensor.values, false);
-            if tensor.trained && moments != Moments::Without {
+            if tensor.trained && all {
                 for (which, moment) in [("first", &self.adam.first[i]), ("second", &self.adam.second[i])] {
                     let name = format!("adam.{which}.{}", tensor.name);
                     put(name, &tensor.shape, moment, moments == Moments::Half);
@@ -117,7 +143,8 @@ impl Checkpoint {
             "arch": self.arch.name(),
             "progress": text(serde_json::json!(self.progress)),
             "adam_steps": text(serde_json::json!(self.adam.steps)),
-            "moments": if moments == Moments::Without { "none" } else { "all" },
+            "moments": if all { "all" } else { "none" },
+            "average": if all && self.average.is_some() { "kept" } else { "none" },
         });
         header.insert("__metadata__".to_owned(), metadata);
         let header = serde_json::json!(header).to_string();
@@ -149,6 +176,11 @@ impl Checkpoint {
         let mut weights = Weights::random(&arch.graph(), 0);
         let mut adam = AdamW::new(&weights);
         let with_moments = text("moments") != Some("none");
+        let mut average = (text("average") == Some("kept")).then(|| weights.clone());
+        for tensor in average.iter_mut().flat_map(|average| &mut average.tensors) {
+            let values = read(&format!("average.{}", tensor.name))?;
+            load_into(tensor, values)?;
+        }
         for (i, tensor) in weights.tensors.iter_mut().enumerate() {
             load_into(tensor, read(&tensor.name)?)?;
             if tensor.trained && with_moments {
@@ -160,7 +192,7 @@ impl Checkpoint {
         if with_moments {
             adam.steps = serde_json::from_str(text("adam_steps")?).ok()?;
         }
-        Some(Self { arch, weights, adam, progress: serde_json::from_str(text("progress")?).ok()? })
+        Some(Self { arch, weights, adam, average, progress: serde_json::from_str(text("progress")?).ok()? })
     }
 }
 
@@ -190,6 +222,25 @@ mod tests {
         checkpoint.save(&path, Moments::Without).unwrap();
         let loaded = Checkpoint::load(&path).unwrap();
         assert_eq!((&loaded.weights, loaded.adam), (&checkpoint.weights, AdamW::new(&checkpoint.weights)));
+    }
+
+    #[test]
+    fn the_average_lags_behind_the_weights_and_is_what_a_small_file_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.safetensors");
+        let mut checkpoint = Checkpoint::new(Arch::Tiny, 3);
+        checkpoint.follow(0.0);
+        assert_eq!(checkpoint.best(), &checkpoint.weights);
+        checkpoint.progress.step = 1_000_000;
+        for value in [0.0, 1.0] {
+            checkpoint.weights.tensors[0].values[0] = value;
+            checkpoint.follow(0.75);
+        }
+        assert_eq!(checkpoint.best().tensors[0].values[0], 0.25);
+        checkpoint.save(&path, Moments::Exact).unwrap();
+        assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
+        checkpoint.save(&path, Moments::Without).unwrap();
+        assert_eq!(&Checkpoint::load(&path).unwrap().weights, checkpoint.best());
     }
 
     #[test]

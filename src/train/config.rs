@@ -139,6 +139,14 @@ pub struct Config {
     /// Part by which the running statistics follow each batch
     #[arg(long, default_value_t = 0.02)]
     pub momentum: f32,
+    /// Part of the running average of the weights that a step leaves as it is; the average is what is exported. 0 = none
+    #[arg(long, default_value_t = 0.999)]
+    #[serde(default)]
+    pub average: f32,
+    /// Part of the channels that a step leaves out at the depth net's two coarsest levels
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub drop: f32,
     /// Threads of the trainer
     #[arg(long, default_value_t = 2)]
     pub threads: usize,
@@ -246,6 +254,7 @@ impl Config {
             lr_end: 1.0,
             weight_decay: 0.0,
             clip: 0.0,
+            average: 0.0,
             ..self
         }
     }

@@ -21,7 +21,7 @@ const ROWS: usize = 8;
 pub fn depth_rows(net: &Checkpoint, batch: &Batch, config: &Config) -> Result<Vec<Vec<Rgb>>, TrainError> {
     let maps = &batch.maps;
     let (size, p, here) = ([maps.width, maps.height], maps.plane(), maps.reference());
-    let all = step::infer_all_depths(&net.weights, &net.arch.graph(), batch, config)?;
+    let all = step::infer_all_depths(net.best(), &net.arch.graph(), batch, config)?;
     let rows = (0..maps.samples.min(ROWS)).map(|n| {
         let photo = view(batch, n, here);
         let truth = &batch.truth[(n * maps.views.len() + here) * p..][..p];
@@ -43,7 +43,7 @@ pub fn occlusion_rows(
     config: &Config,
 ) -> Result<Vec<Vec<Rgb>>, TrainError> {
     let maps = &batch.maps;
-    let (rendered, full) = step::infer_views(&net.weights, &net.arch.graph(), batch, depth, config)?;
+    let (rendered, full) = step::infer_views(net.best(), &net.arch.graph(), batch, depth, config)?;
     let of =
         |values: &[f32], n: usize| raster(&values[n * maps.views.len() * 3 * maps.plane()..], maps.width, maps.height);
     Ok((0..maps.samples.min(ROWS)).map(|n| vec![view(batch, n, 0), of(&rendered, n), of(&full, n)]).collect())

@@ -45,7 +45,7 @@ impl Nets {
     pub fn start(config: &Config) -> Result<Self, TrainError> {
         let open = |path: &Option<PathBuf>, arch| match path {
             Some(path) => Checkpoint::load(path)
-                .map(|c| Checkpoint { weights: c.weights, ..Checkpoint::new(c.arch, config.seed) }),
+                .map(|c| Checkpoint { weights: c.best().clone(), ..Checkpoint::new(c.arch, config.seed) }),
             None => Ok(Checkpoint::new(arch, config.seed)),
         };
         match config.stage {
@@ -132,7 +132,7 @@ impl Nets {
 /// Ray depths that the occlusion net is given: a depth net's, or the true ones.
 fn depths(net: Option<&Checkpoint>, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
     match net {
-        Some(net) => step::infer_depths(&net.weights, &net.arch.graph(), batch, config),
+        Some(net) => step::infer_depths(net.best(), &net.arch.graph(), batch, config),
         None => Ok(batch.truth.clone()),
     }
 }
@@ -279,7 +279,7 @@ mod tests {
     fn config(out: &Path, steps: u64) -> Config {
         let plain =
             Config { net: Arch::Tiny, out: out.to_owned(), steps: 100, warm_up: 2, log_steps: 1, ..Config::default() };
-        Config { secs: None, steps: plain.steps.min(steps), lr_end: 1.0, ..plain }
+        Config { secs: None, steps: plain.steps.min(steps), lr_end: 1.0, drop: 0.2, ..plain }
     }
 
     fn weights(nets: &Nets) -> &Checkpoint {
@@ -297,6 +297,7 @@ mod tests {
         let rest = Config { steps: 6, ..half };
         let resumed = train(&rest, Nets::resume(&rest, &rest.out).unwrap(), &draw, &stop).unwrap();
         assert_eq!(weights(&nets).weights, weights(&resumed).weights);
+        assert_eq!(weights(&nets).average, weights(&resumed).average);
         assert_eq!(weights(&nets).adam, weights(&resumed).adam);
     }
 

@@ -13,6 +13,7 @@ use crate::loss::{self, Along, Maps};
 use crate::nets::{Graph, Mode, Tape, Weights, values, zeros};
 use crate::ops::Path;
 use crate::optimizer::Step;
+use crate::rng::Rng;
 use crate::scenes::steps;
 use crate::warp::{RayEnd, ray_end};
 
@@ -30,6 +31,9 @@ pub struct Report {
 
 /// Long side at which the losses' weights are meant; ray depths in px shrink with the picture.
 const UNIT_SIDE_PX: f32 = 288.0;
+
+/// Tells the chance of left-out channels from that of the data.
+const DROPPING: u64 = 0x6472_6f70;
 
 /// All losses of a batch of predicted ray depths, and their weighed gradient.
 pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
@@ -109,7 +113,10 @@ fn update(
 ) -> f32 {
     let lr = config.learning_rate(net.progress.step, done);
     net.weights.follow(statistics, config.momentum);
-    net.adam.step(&mut net.weights, gradients, Step { lr, weight_decay: config.weight_decay, clip: config.clip })
+    let step = Step { lr, weight_decay: config.weight_decay, clip: config.clip };
+    let norm = net.adam.step(&mut net.weights, gradients, step);
+    net.follow(config.average);
+    norm
 }
 
 /// A step of the depth net alone; `done` = 0 … 1 of the run behind it.
@@ -120,7 +127,8 @@ pub fn depth_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let mut tape = Tape::new(&net.weights, Mode::Train, path(config));
+    let by_chance = Rng::new(config.seed ^ DROPPING, net.progress.step);
+    let mut tape = Tape::new(&net.weights, Mode::Train, path(config)).dropping(config.drop, by_chance);
     let y = predict(&mut tape, graph, batch)?;
     let depth = values(y.clone());
     let (parts, gradient) = depth_losses(batch, &depth, &config.losses);

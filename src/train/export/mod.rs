@@ -56,7 +56,7 @@ pub fn tolerance(arch: Arch) -> f32 {
 pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf, f32), TrainError> {
     let folder = models.join(&about.id);
     let path = folder.join("model.onnx");
-    let bytes = encode(&net.arch.graph(), &net.weights)?;
+    let bytes = encode(&net.arch.graph(), net.best())?;
     let found = difference(net, &bytes, 64)?;
     let accepted = tolerance(net.arch);
     if found.is_nan() || found > accepted {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::{Conv, End, Graph, Node, Tensor32, Weights};
 use crate::TrainError;
 use crate::ops::{self, Path};
+use crate::rng::Rng;
 
 /// Added to variances before the root, as in the paper's framework.
 pub const NORM_EPSILON: f32 = 1e-5;
@@ -30,6 +31,7 @@ pub struct Tape<'a> {
     device: Device,
     mode: Mode,
     path: Path,
+    drop: Option<(f32, Rng)>,
     leaves: Vec<Leaf>,
     statistics: Vec<(String, Tensor<2>)>,
 }
@@ -46,7 +48,13 @@ impl<'a> Tape<'a> {
     pub fn new(weights: &'a Weights, mode: Mode, path: Path) -> Self {
         let device = Device::flex();
         let device = if mode == Mode::Train { device.autodiff() } else { device };
-        Self { weights, device, mode, path, leaves: Vec::new(), statistics: Vec::new() }
+        Self { weights, device, mode, path, drop: None, leaves: Vec::new(), statistics: Vec::new() }
+    }
+
+    /// Leaves out `part` of the channels, drawn anew for every sample, at a net's two coarsest levels: it is
+    /// there that it learns photos by heart.
+    pub fn dropping(self, part: f32, rng: Rng) -> Self {
+        Self { drop: (part > 0.0).then_some((part, rng)), ..self }
     }
 
     /// The device that inputs must be on.
@@ -66,10 +74,15 @@ impl<'a> Tape<'a> {
     /// - result: `[n, views, h, w]`
     pub fn run2(&mut self, graph: &Graph, x: Tensor<4>, views: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
         let mut done: Vec<Tensor<4>> = Vec::with_capacity(graph.nodes.len());
-        for node in &graph.nodes {
+        let areas = graph.areas();
+        let coarse = 4.0 * areas.iter().copied().fold(1.0, f64::min);
+        for (node, area) in graph.nodes.iter().zip(areas) {
             let y = match node {
                 Node::Input => x.clone(),
-                Node::Conv(from, conv) => self.conv2(conv, done[*from].clone(), views)?,
+                Node::Conv(from, conv) => {
+                    let y = self.conv2(conv, done[*from].clone(), views)?;
+                    if area <= coarse && conv.end == End::NormElu { self.thinned(y) } else { y }
+                }
                 Node::Pool(from) => ops::pool(done[*from].clone(), self.path),
                 Node::UpConcat(low, skip) => ops::up_concat(done[*low].clone(), done[*skip].clone(), self.path),
             };
@@ -85,6 +98,15 @@ impl<'a> Tape<'a> {
             x = self.finish(conv, x, weight)?;
         }
         Ok(x)
+    }
+
+    /// The map with some of its channels 0, the others larger by as much.
+    fn thinned(&mut self, y: Tensor<4>) -> Tensor<4> {
+        let Some((part, rng)) = &mut self.drop else { return y };
+        let [samples, channels, ..] = y.dims();
+        let kept = 1.0 / (1.0 - *part);
+        let mask = (0..samples * channels).map(|_| if rng.chance(*part) { 0.0 } else { kept }).collect();
+        y * self.input(mask, [samples, channels, 1, 1])
     }
 
     fn conv2(&mut self, conv: &Conv, x: Tensor<4>, views: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
@@ -200,5 +222,23 @@ impl Weights {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nets::Arch;
+
+    #[test]
+    fn left_out_channels_are_zero_and_the_others_make_up_for_them() {
+        let weights = Weights::random(&Arch::Tiny.graph(), 1);
+        let mut tape = Tape::new(&weights, Mode::Train, Path::Own).dropping(0.25, Rng::new(5, 0));
+        let ones = tape.input(vec![1.0; 1000 * 4], [10, 100, 2, 2]);
+        let thinned = values(tape.thinned(ones));
+        let channels = thinned.chunks(4).map(|channel| channel.iter().sum::<f32>() / 4.0);
+        assert!(channels.clone().all(|mean| mean == 0.0 || (mean - 4.0 / 3.0).abs() < 1e-6));
+        let left_out = channels.filter(|mean| *mean == 0.0).count();
+        assert!((200..300).contains(&left_out), "{left_out} of 1000");
     }
 }

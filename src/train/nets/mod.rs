@@ -224,22 +224,27 @@ impl Graph {
         self.convs().next().map_or(0, |conv| conv.inputs)
     }
 
-    /// Floating-point operations of one forward pass, per pixel (and view, for rank 3) at full size.
-    pub fn flop_per_pixel(&self) -> f64 {
-        let mut scale = vec![1.0f64; self.nodes.len()];
-        let mut flop = 0.0;
+    /// Area of each node's maps against the picture's.
+    pub fn areas(&self) -> Vec<f64> {
+        let mut areas = vec![1.0; self.nodes.len()];
         for (i, node) in self.nodes.iter().enumerate() {
-            scale[i] = match node {
+            areas[i] = match node {
                 Node::Input => 1.0,
-                Node::Conv(from, conv) => {
-                    flop += 2.0 * (conv.inputs * conv.outputs * 3usize.pow(self.rank as u32)) as f64 * scale[*from];
-                    scale[*from]
-                }
-                Node::Pool(from) => scale[*from] / 4.0,
-                Node::UpConcat(low, _) => scale[*low] * 4.0,
+                Node::Conv(from, _) => areas[*from],
+                Node::Pool(from) => areas[*from] / 4.0,
+                Node::UpConcat(low, _) => areas[*low] * 4.0,
             };
         }
-        flop
+        areas
+    }
+
+    /// Floating-point operations of one forward pass, per pixel (and view, for rank 3) at full size.
+    pub fn flop_per_pixel(&self) -> f64 {
+        let of = |node: &Node| match node {
+            Node::Conv(_, conv) => 2.0 * (conv.inputs * conv.outputs * 3usize.pow(self.rank as u32)) as f64,
+            _ => 0.0,
+        };
+        self.nodes.iter().zip(self.areas()).map(|(node, area)| of(node) * area).sum()
     }
 
     /// `Err` when a picture of this size cannot go through the net.

@@ -1,5 +1,7 @@
 //! A net's weights as named arrays, in the order of its convolutions.
 
+use rayon::prelude::*;
+
 use super::{Conv, End, Graph, REFERENCE, VIEWS};
 use crate::TrainError;
 use crate::rng::Rng;
@@ -57,6 +59,14 @@ impl Weights {
             let row = tensor.values.len() / VIEWS;
             let reference = tensor.values[REFERENCE * row..][..row].to_vec();
             tensor.values.chunks_mut(row).for_each(|values| values.copy_from_slice(&reference));
+        }
+    }
+
+    /// Moves every value by `part` of the way to another net's.
+    pub fn approach(&mut self, other: &Self, part: f32) {
+        for (to, from) in self.tensors.iter_mut().zip(&other.tensors) {
+            let pairs = to.values.par_iter_mut().zip(&from.values).with_min_len(8192);
+            pairs.for_each(|(to, from)| *to += part * (from - *to));
         }
     }
 
