@@ -47,8 +47,9 @@ pub struct TrueField {
     pub size: [usize; 2],
     /// In `[v, u]` order, sRGB 0 … 1.
     pub views: Vec<Rgb>,
-    /// Ray depth of the reference view, pixels per view step, where the file has it.
-    pub disparity: Option<Raster<f32>>,
+    /// The ray depths that the file has, layer and map `[y, x]` in pixels per view step: of all 64 views, of the reference
+    /// view alone, or none.
+    pub depths: Vec<(usize, Vec<f32>)>,
 }
 
 impl TrueField {
@@ -62,11 +63,15 @@ impl TrueField {
         let Opened::LightField(file) = opened else { return Err(TrueFieldError::Photo(path.to_owned())) };
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let size = file.field.size().map(|side| side as usize);
-        let of_all = file.depths.as_ref().map(|depths| depths.reference().to_vec());
-        let alone = file.reference_disparity.as_ref().map(|map| map.disparity_px.clone());
-        let disparity = of_all.or(alone).filter(|px| px.len() == size[0] * size[1]).map(|px| Raster { size, px });
         let views = Self::views(&file.field, path, file.display_gamma.unwrap_or(1.0))?;
-        Ok(Self { name, size, views, disparity })
+        let depths = match (&file.depths, file.reference_disparity) {
+            (Some(all), _) => {
+                (0..64).map(|layer| (layer, all.view(around(all.grid().reference(), layer)).to_vec())).collect()
+            }
+            (None, Some(map)) if map.disparity_px.len() == size[0] * size[1] => vec![(REFERENCE, map.disparity_px)],
+            _ => Vec::new(),
+        };
+        Ok(Self { name, size, views, depths })
     }
 
     fn views(field: &LightField, path: &Path, gamma: f32) -> Result<Vec<Rgb>, TrueFieldError> {
@@ -76,10 +81,9 @@ impl TrueField {
             return Err(TrueFieldError::Grid { rows: grid.rows(), cols: grid.cols(), path: path.to_owned() });
         }
         let size = field.size().map(|side| side as usize);
-        let view = |layer: u8| {
-            let at = ViewIndex { v: zero.v - 4 + layer / 8, u: zero.u - 4 + layer % 8 };
+        let view = |layer| {
             let texel = |p: &[u8]| [0, 1, 2].map(|c| (f32::from(p[c]) / 255.0).powf(gamma));
-            Raster { size, px: field.view(at).rgba().chunks_exact(4).map(texel).collect() }
+            Raster { size, px: field.view(around(zero, layer)).rgba().chunks_exact(4).map(texel).collect() }
         };
         Ok((0..64).map(view).collect())
     }
@@ -89,19 +93,30 @@ impl TrueField {
         &self.views[REFERENCE]
     }
 
+    /// The ray depth `[y, x]` that the file has of the reference view.
+    pub fn own_reference_depth(&self) -> Option<&[f32]> {
+        self.depths.iter().find(|(layer, _)| *layer == REFERENCE).map(|(_, map)| &map[..])
+    }
+
     /// Ray depth of the reference view in pixels per view step: the file's own, else what the viewer's plane sweep over all views finds.
     ///
     /// # Errors
     /// Views of several sizes.
     pub fn reference_disparity(&self) -> Result<Raster<f32>, TrueFieldError> {
-        if let Some(known) = &self.disparity {
-            return Ok(known.clone());
+        if let Some(known) = self.own_reference_depth() {
+            return Ok(Raster { size: self.size, px: known.to_vec() });
         }
         let cancel = Cancel::default();
         let field = light_field(&self.views)?;
         let map = sweep::reference_map(&field, &Job { cancel: &cancel, sink: &() })?;
         Ok(Raster { size: self.size, px: map.disparity_px })
     }
+}
+
+/// Where a layer of the 8 × 8 views lies in a grid whose reference view is `zero`.
+fn around(zero: ViewIndex, layer: usize) -> ViewIndex {
+    let [v, u] = [layer / 8, layer % 8].map(|i| i as u8);
+    ViewIndex { v: zero.v + v - 4, u: zero.u + u - 4 }
 }
 
 /// 64 pictures as a light field of 8-bit views.

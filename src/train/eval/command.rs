@@ -67,7 +67,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let tags: Vec<_> = models.tags().iter().map(|tag| json!({"id": tag.id, "sha256": tag.sha256})).collect();
     if matches.get_flag("json") {
         let value = json!({"models": tags, "light_fields": figures, "mean": mean_of(&figures), "photos": photos});
-        return Ok(value.to_string());
+        return Ok(format!("{value}\n"));
     }
     let mut text = table(&figures);
     if let Some(photos) = photos {
@@ -145,6 +145,14 @@ fn table(figures: &[Figures]) -> String {
             f.depth_correlation,
             f.depth_mae_px
         );
+        if let Some(t) = &f.truth {
+            let views = if t.views == 1 { "the reference view".to_owned() } else { format!("{} views", t.views) };
+            let _ = writeln!(
+                text,
+                "  true ray depths of {views}: correlation {:.2}, MAE {:.3} px, {:.3} after the best scale and shift",
+                t.correlation, t.mae_px, t.fit_mae_px
+            );
+        }
         let line = |name: &str, v: &Closeness| {
             format!(
                 "  {name:<10} L1 {:.4} (outermost {:.4}), in −1 … 1 {:.4} ({:.4}); PSNR {:.2} dB, SSIM {:.4}\n",

@@ -1,12 +1,12 @@
 //! Figures on validation photos lifted to light fields, whose views and ray depths are known exactly.
 
+use anyhow::Context as _;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::metrics::{correlation, l1, l1_where, mean};
 use super::sheet::{depth_tile, usual_range};
 use super::{CORNERS, Predictor, Rgb, photos, warp};
-use crate::scenes::raster::Raster;
 use crate::scenes::{Config, Mix, REFERENCE, Sample, Source, Split, steps};
 use crate::warp::{RayEnd, ray_end};
 
@@ -63,7 +63,8 @@ pub fn evaluate(
     let mut tiles = Vec::new();
     let all = flowers.len();
     for picture in flowers {
-        let scene = Scene::new(&source.constructed(picture, order.clone()));
+        let scene =
+            Scene::new(&source.constructed(picture, order.clone())).context("a scene of fewer than 64 views")?;
         let (found, row) = scene.compare(predictor)?;
         scenes.push(found);
         if tiles.len() < 12 {
@@ -109,16 +110,10 @@ struct Scene {
 }
 
 impl Scene {
-    fn new(sample: &Sample) -> Self {
-        let count = sample.size[0] * sample.size[1];
-        let mut views = vec![Raster { size: sample.size, px: Vec::new() }; 64];
-        let mut depths = vec![Vec::new(); 64];
-        for (k, &layer) in sample.views.iter().enumerate() {
-            let at = |c: usize, i: usize| sample.rgb[(3 * k + c) * count + i];
-            views[layer].px = (0..count).map(|i| [at(0, i), at(1, i), at(2, i)]).collect();
-            depths[layer] = sample.disparity[k * count..(k + 1) * count].to_vec();
-        }
-        Self { size: sample.size, views, depths }
+    /// None of a sample of fewer than 64 views.
+    fn new(sample: &Sample) -> Option<Self> {
+        let depths = sample.depths()?.into_iter().map(<[f32]>::to_vec).collect();
+        Some(Self { size: sample.size, views: sample.pictures()?, depths })
     }
 
     fn compare(&self, predictor: &dyn Predictor) -> anyhow::Result<(Found, Vec<Rgb>)> {

@@ -7,6 +7,7 @@ use super::metrics::{correlation, l1, mean, psnr, ssim};
 use super::sheet::{depth_tile, epi_tile, usual_range};
 use super::sweep::{Swept, picture, reference_depth};
 use super::{CORNERS, Prediction, Predictor, Rgb, TrueField, warp};
+use crate::loss::affine_fit;
 use crate::scenes::{REFERENCE, steps};
 
 /// How near a set of 64 views comes to the true ones.
@@ -47,6 +48,19 @@ pub struct Corners {
     pub closed: f32,
 }
 
+/// The predicted ray depths against true ones.
+#[derive(Clone, Debug, Serialize)]
+pub struct Truth {
+    /// Views whose ray depths are known: 64, or the reference view alone.
+    pub views: usize,
+    /// Correlation in the reference view.
+    pub correlation: f32,
+    /// Mean absolute difference over all of them, pixels per view step, raw.
+    pub mae_px: f32,
+    /// After the scale and shift that fit best: a photo tells neither.
+    pub fit_mae_px: f32,
+}
+
 /// Everything about one light field.
 #[derive(Clone, Debug, Serialize)]
 pub struct Figures {
@@ -60,6 +74,9 @@ pub struct Figures {
     pub depth_mae_px: f32,
     /// The share of pixels where the views tell it.
     pub depth_known: f32,
+    /// Against the ray depths that the file has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub truth: Option<Truth>,
     /// The views as they come out: with the occlusion net, where there is one.
     pub full: Closeness,
     /// Without the occlusion net.
@@ -110,6 +127,7 @@ pub fn evaluate(field: &TrueField, predictor: &dyn Predictor) -> anyhow::Result<
         depth_correlation: correlation(known()),
         depth_mae_px: mean(known().map(|(a, b)| (a - b).abs())).unwrap_or(0.0),
         depth_known: known().count() as f32 / count as f32,
+        truth: truth(field, &prediction),
         full: closeness(field, full),
         lambertian: closeness(field, &lambertian),
         zero: closeness(field, &vec![field.reference().clone(); 64]),
@@ -117,6 +135,24 @@ pub fn evaluate(field: &TrueField, predictor: &dyn Predictor) -> anyhow::Result<
         sweep: closeness(field, &sweep_views),
     };
     Ok(Report { figures, tiles })
+}
+
+/// None where the file has no ray depths. Rays of unknown depth do not count.
+fn truth(field: &TrueField, prediction: &Prediction) -> Option<Truth> {
+    let count = field.reference().px.len();
+    let own = |layer| prediction.view(layer, count).iter().copied();
+    let known = |pair: &(f32, f32)| pair.1.is_finite();
+    let of_reference = own(REFERENCE).zip(field.own_reference_depth()?.iter().copied()).filter(known);
+    let all = field.depths.iter().flat_map(|(layer, map)| own(*layer).zip(map.iter().copied()));
+    let (predicted, truth): (Vec<f32>, Vec<f32>) = all.filter(known).unzip();
+    let (scale, shift) = affine_fit(&predicted, &truth);
+    let error = |scale: f32, shift: f32| mean(predicted.iter().zip(&truth).map(|(d, t)| (scale * d + shift - t).abs()));
+    Some(Truth {
+        views: field.depths.len(),
+        correlation: correlation(of_reference),
+        mae_px: error(1.0, 0.0)?,
+        fit_mae_px: error(scale, shift)?,
+    })
 }
 
 fn corner_mean(field: &TrueField, view: impl Fn(usize) -> Rgb + Sync) -> f32 {

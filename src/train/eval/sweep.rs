@@ -5,7 +5,6 @@
 use rayon::prelude::*;
 
 use super::{OUTER_STEPS, Rgb, TrueField, warp};
-use crate::scenes::raster::Raster;
 use crate::scenes::steps;
 
 /// Planes of the picture sweep, −2 … 2 by 0.05 px per view step.
@@ -107,9 +106,4 @@ pub fn reference_depth(field: &TrueField) -> Swept {
         disparity_px: all.iter().map(|(_, _, plane)| *plane).collect(),
         known: all.iter().map(|(least, most, _)| most - least > 0.02).collect(),
     }
-}
-
-/// A swept depth as a raster, for pictures.
-pub fn as_raster(swept: &Swept, size: [usize; 2]) -> Raster<f32> {
-    Raster { size, px: swept.disparity_px.clone() }
 }

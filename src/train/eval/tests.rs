@@ -21,7 +21,7 @@ fn plane_field(disparity: f32) -> TrueField {
         let (du, dv) = steps(layer);
         warp::plane(&reference, disparity, du, dv)
     };
-    TrueField { name: "plane".into(), size: [72, 56], views: (0..64).map(view).collect(), disparity: None }
+    TrueField { name: "plane".into(), size: [72, 56], views: (0..64).map(view).collect(), depths: Vec::new() }
 }
 
 #[test]
@@ -94,12 +94,21 @@ fn the_truth_closes_the_gap_and_a_plane_closes_nothing() {
         let (du, dv) = steps(layer);
         warp::lambertian(&reference, &truth(layer), du, dv)
     };
-    let field = TrueField { name: "slope".into(), size: [96, 64], views: (0..64).map(view).collect(), disparity: None };
+    let field =
+        TrueField { name: "slope".into(), size: [96, 64], views: (0..64).map(view).collect(), depths: Vec::new() };
     let right = |_: &Rgb| Ok(Prediction { disparity_px: (0..64).flat_map(truth).collect(), corrected: None });
     let found = light_field::evaluate(&field, &right).unwrap().figures;
     assert!(found.corners.predicted < 1e-5 && found.lambertian.l1_01 < 1e-5, "{:?}", found.corners);
     assert!(found.corners.closed > 0.99 && found.depth_correlation > 0.98, "{found:?}");
     assert_eq!(found.corners.fit_scale_shift, [1.0, 0.0]);
+    assert!(found.truth.is_none());
+    let field = TrueField { depths: (0..64).map(|layer| (layer, truth(layer))).collect(), ..field };
+    let shifted = |_: &Rgb| {
+        Ok(Prediction { disparity_px: (0..64).flat_map(truth).map(|d| 2.0 * d + 0.25).collect(), corrected: None })
+    };
+    let known = light_field::evaluate(&field, &shifted).unwrap().figures.truth.unwrap();
+    assert!(known.correlation > 0.999 && known.fit_mae_px < 1e-5 && known.views == 64, "{known:?}");
+    assert!((known.mae_px - 0.3).abs() < 0.1, "{known:?}");
     let flat = |_: &Rgb| Ok(Prediction::tied(&vec![0.0; 96 * 64]));
     let found = light_field::evaluate(&field, &flat).unwrap().figures;
     assert!(found.corners.closed.abs() < 1e-3 && found.depth_correlation == 0.0, "{:?}", found.corners);
@@ -156,6 +165,7 @@ fn light_fields_are_read_around_their_reference_view() {
     assert_eq!((field.size, field.views.len()), ([12, 10], 64));
     assert!((field.reference().px[0][1] - 80.0 / 255.0).abs() < 1e-6);
     assert_eq!(field.views[REFERENCE].px, field.reference().px);
+    assert!(field.depths.is_empty());
 }
 
 #[test]

@@ -27,6 +27,7 @@ mod place;
 mod plants;
 pub mod raster;
 mod real;
+mod sample;
 mod walls;
 pub mod write;
 
@@ -45,6 +46,7 @@ use layer::Scene;
 pub use library::{Library, Picture, read_rgb};
 pub use mix::Mix;
 use place::{Canvas, Place};
+pub use sample::Sample;
 
 /// Layer of the reference view (4, 4).
 pub const REFERENCE: usize = 36;
@@ -146,28 +148,6 @@ pub enum Kind {
     Pseudo,
     /// A real light field.
     Real,
-}
-
-/// One light field, or some of its views.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
-    /// Width and height in pixels.
-    pub size: [usize; 2],
-    /// Layers in `[v, u]` order; the first is the reference view, 36.
-    pub views: Vec<usize>,
-    /// `[view, channel, y, x]`, sRGB 0 … 1.
-    pub rgb: Vec<f32>,
-    /// `[view, y, x]`, pixels per view step of this size; NaN where unknown.
-    pub disparity: Vec<f32>,
-    /// `[y, x]`, subject of the reference view, 255 inside.
-    pub subject: Option<Vec<u8>>,
-    /// Where the crop lies in its picture: y of the first and last row, x of the first and last column, where the
-    /// whole picture runs from −1 to 1.
-    pub yx: [f32; 4],
-    /// How it was made.
-    pub kind: Kind,
-    /// The picture that it was made of.
-    pub origin: String,
 }
 
 /// Makes samples. Shared by threads; [`Source::sample`] depends on nothing but the configuration and the index.

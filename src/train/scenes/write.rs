@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use clap::{ArgMatches, Command, arg, value_parser};
 use plenoscope::field::{RayDepths, ViewGrid};
 use plenoscope::io::formats::{self, views};
 use plenoscope::job::{Cancel, Job};
 
-use super::raster::Raster;
-use super::{Config, Mix, Sample, Source};
+use super::raster::Rgb;
+use super::{Config, Mix, REFERENCE, Source};
 use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range, write_png};
 use crate::field::light_field;
 
@@ -58,62 +58,55 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let mut rows = Vec::new();
     for index in 0..number("count") as u64 {
         let sample = source.sample(index);
-        write(&out.join(format!("sample_{index:04}_{:?}", sample.kind).to_lowercase()), &sample)?;
-        rows.push(tiles(&sample));
+        let folder = out.join(format!("sample_{index:04}_{:?}", sample.kind).to_lowercase());
+        let (pictures, depths) = sample.pictures().zip(sample.depths()).context("a sample of fewer than 64 views")?;
+        write(&folder, &pictures, &depths)?;
+        rows.push(tiles(&pictures, &depths));
     }
     write_png(&out.join("sheet.png"), &join(&rows, 240))?;
-    Ok(format!("{} samples and sheet.png in {}", rows.len(), out.display()))
-}
-
-/// The pictures of a sample in `[v, u]` order.
-fn pictures(sample: &Sample) -> Vec<Raster<[f32; 3]>> {
-    let count = sample.size[0] * sample.size[1];
-    let mut all = vec![Raster { size: sample.size, px: Vec::new() }; 64];
-    for (k, &layer) in sample.views.iter().enumerate() {
-        let at = |c: usize, i: usize| sample.rgb[(3 * k + c) * count + i];
-        all[layer].px = (0..count).map(|i| [at(0, i), at(1, i), at(2, i)]).collect();
-    }
-    all
+    Ok(format!("{} samples and sheet.png in {}\n", rows.len(), out.display()))
 }
 
 /// Reference view, its ray depth, the first corner view, its ray depth, epipolar image of the middle row.
-fn tiles(sample: &Sample) -> Vec<Raster<[f32; 3]>> {
-    let pictures = pictures(sample);
-    let count = sample.size[0] * sample.size[1];
-    let place = |layer: usize| sample.views.iter().position(|&l| l == layer).unwrap_or(0);
-    let depth = |layer: usize| &sample.disparity[place(layer) * count..][..count];
-    let range = usual_range(depth(36));
+fn tiles(pictures: &[Rgb], depths: &[&[f32]]) -> Vec<Rgb> {
+    let size = pictures[REFERENCE].size;
+    let range = usual_range(depths[REFERENCE]);
     vec![
-        pictures[36].clone(),
-        depth_tile(depth(36), sample.size, range),
+        pictures[REFERENCE].clone(),
+        depth_tile(depths[REFERENCE], size, range),
         pictures[0].clone(),
-        depth_tile(depth(0), sample.size, range),
-        epi_tile(|layer| &pictures[layer], sample.size[1] / 2, 4),
+        depth_tile(depths[0], size, range),
+        epi_tile(|layer| &pictures[layer], size[1] / 2, 4),
     ]
 }
 
-fn all_known(sample: &Sample) -> bool {
-    sample.disparity.iter().all(|d| !d.is_nan())
-}
-
-fn ray_depths(sample: &Sample) -> Result<RayDepths> {
-    let count = sample.size[0] * sample.size[1];
-    let mut sorted = vec![0.0; sample.disparity.len()];
-    for (map, &layer) in sample.disparity.chunks_exact(count).zip(&sample.views) {
-        sorted[layer * count..(layer + 1) * count].copy_from_slice(map);
-    }
-    Ok(RayDepths::new(ViewGrid::PAPER, sample.size.map(|side| side as u32), sorted)?)
-}
-
-/// Writes one sample of 64 views, with its ray depths where all of them are known.
-///
-/// # Errors
-/// A sample of fewer views; a disk that cannot be written.
-pub fn write(folder: &Path, sample: &Sample) -> Result<()> {
-    anyhow::ensure!(sample.views.len() == 64, "a sample of {} views; expected all 64", sample.views.len());
-    let field = light_field(&pictures(sample))?;
-    let depths = all_known(sample).then(|| ray_depths(sample)).transpose()?;
+/// Writes the 64 views of a sample, with their ray depths where all of them are known.
+fn write(folder: &Path, pictures: &[Rgb], depths: &[&[f32]]) -> Result<()> {
+    let field = light_field(pictures)?;
+    let all_known = depths.iter().all(|map| map.iter().all(|d| !d.is_nan()));
+    let depths = all_known.then(|| RayDepths::new(ViewGrid::PAPER, field.size(), depths.concat())).transpose()?;
     let cancel = Cancel::default();
     let job = Job { cancel: &cancel, sink: &() };
     Ok(views::write(folder, &formats::Source { depths: depths.as_ref(), ..formats::Source::new(&field) }, &job)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eval::TrueField;
+    use crate::scenes::raster::Raster;
+
+    #[test]
+    fn a_written_sample_is_read_with_its_ray_depths() {
+        let folder = tempfile::tempdir().unwrap();
+        let pictures = vec![Raster { size: [12, 8], px: vec![[0.5; 3]; 96] }; 64];
+        let maps: Vec<Vec<f32>> = (0..64).map(|layer| vec![layer as f32 / 64.0; 96]).collect();
+        let mut depths: Vec<&[f32]> = maps.iter().map(|map| &map[..]).collect();
+        write(&folder.path().join("known"), &pictures, &depths).unwrap();
+        let read = TrueField::open(&folder.path().join("known")).unwrap();
+        assert_eq!(read.depths, maps.iter().cloned().enumerate().collect::<Vec<_>>());
+        depths[3] = &[f32::NAN; 96];
+        write(&folder.path().join("in part"), &pictures, &depths).unwrap();
+        assert!(TrueField::open(&folder.path().join("in part")).unwrap().depths.is_empty());
+    }
 }
