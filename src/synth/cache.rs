@@ -19,8 +19,8 @@ use super::library::hex;
 use super::{Manifest, SynthParams};
 use crate::field::{DisparityMap, Photo};
 
-/// First bytes of an entry; the number grows with its layout.
-const MAGIC: &[u8; 8] = b"PLENO\0\0\x01";
+/// First bytes of an entry; the number grows with its layout and with how maps are made.
+const MAGIC: &[u8; 8] = b"PLENO\0\0\x02";
 /// Bytes that the folder may hold.
 const CAP_BYTES: u64 = 2 << 30;
 

@@ -25,6 +25,7 @@ mod picture;
 mod pipeline;
 mod relative;
 mod resample;
+mod speckles;
 pub mod sweep;
 pub mod tract;
 pub mod upsample;

@@ -4,11 +4,13 @@
 //! 2. Let certain values flow into uncertain ones, stopped by the photo's edges: normalised convolution by the
 //!    recursive domain transform (Gastal and Oliveira 2011).
 //! 3. Sharpen what is still steep: such a pixel takes the near or the far side, never a depth in between.
+//! 4. What is left as islands smaller than a pixel of the small map is texture of the photo, not depth: it goes to a side.
 
 use rayon::prelude::*;
 
 use super::lift::STEP_PX;
 use super::resample::{Filter, resample};
+use super::speckles;
 use crate::field::{DisparityMap, View};
 use crate::job::{Cancel, Cancelled, Job};
 
@@ -41,23 +43,28 @@ pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<Disparity
     let scaled: Vec<f32> = map.disparity_px.iter().map(|d| d * ratio).collect();
     let certain = resample::<1>(&certainty(&scaled, source), source, target, Filter::Linear);
     let wide = resample::<1>(&scaled, source, target, Filter::Linear);
-    Ok(DisparityMap { size: guide.size(), disparity_px: spread(&wide, &certain, guide, job)? })
+    let mut disparity_px = spread(&wide, &certain, guide, job)?;
+    let least = (ratio * ratio) as usize;
+    speckles::remove(&mut disparity_px, target, least, |a, b| colour_difference(guide, a, b), job.cancel)?;
+    Ok(DisparityMap { size: guide.size(), disparity_px })
 }
 
 /// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
 fn spread(values: &[f32], certain: &[f32], guide: &View, job: &Job) -> Result<Vec<f32>, Cancelled> {
     let size = guide.size().map(|side| side as usize);
     let mut flow: Vec<[f32; 2]> = values.iter().zip(certain).map(|(d, c)| [d * c, *c]).collect();
-    let rgba = guide.rgba();
-    let difference = |a: usize, b: usize| {
-        let of = |c: usize| f32::from(rgba[a * 4 + c].abs_diff(rgba[b * 4 + c]));
-        (of(0) + of(1) + of(2)) / (3.0 * 255.0)
-    };
+    let difference = |a: usize, b: usize| colour_difference(guide, a, b);
     let reach = FLOW_SHARE * size[0].max(size[1]) as f32;
     EdgeAware::new(size, reach, difference).smooth(&mut flow, job.cancel)?;
     let mut map: Vec<f32> = flow.iter().map(|[d, c]| d / c).collect();
     sharpen(&mut map, size, job.cancel)?;
     Ok(map)
+}
+
+/// Difference of the colours of two pixels, mean of the channels, 0 … 1.
+fn colour_difference(guide: &View, a: usize, b: usize) -> f32 {
+    let of = |c: usize| f32::from(guide.rgba()[a * 4 + c].abs_diff(guide.rgba()[b * 4 + c]));
+    (of(0) + of(1) + of(2)) / (3.0 * 255.0)
 }
 
 /// Certainty of each pixel of a map, 0 … 1: low where it changes quickly, compared with the map as a whole, so that
