@@ -8,10 +8,10 @@ use egui::{Rect, Vec2};
 use super::state::Edit;
 use super::tiles::TileSet;
 use super::worker::{Event, JobId, Outbox, Work};
-use crate::field::{DisparityMap, Lens, LightField, Photo, RayDepths, ViewPoint, fit_long_side};
+use crate::field::{DisparityMap, Lens, Photo, RayDepths, ViewPoint, fit_long_side};
 use crate::job::{Cancel, Job};
 use crate::render::Picture;
-use crate::render::lens::{LensError, LensGpu, Prepared, Region, Scene, Space, revealed};
+use crate::render::lens::{LensError, LensGpu, Prepared, Region, Scene, Space};
 
 /// What a picture at rest shows: it is drawn only while this is what the window asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,8 +80,6 @@ pub struct Request {
     pub key: Key,
     /// The photo.
     pub photo: Arc<Photo>,
-    /// The views, for what stands behind near edges.
-    pub field: Arc<LightField>,
     /// Their ray depths.
     pub depths: Arc<RayDepths>,
 }
@@ -128,7 +126,7 @@ impl Renderer {
         }
         let scene = match self.scene.take().filter(|(have, _)| *have == generation) {
             Some((_, scene)) => scene,
-            None => scene_of(&request.photo, &request.field, &request.depths)?.in_space(Space::Srgb),
+            None => scene_of(&request.photo, &request.depths)?.in_space(Space::Srgb),
         };
         let (_, scene) = self.scene.insert((generation, scene));
         job.check()?;
@@ -139,9 +137,9 @@ impl Renderer {
 }
 
 /// A photo with the depths of its light field, ready for the lens renderer.
-pub fn scene_of(photo: &Arc<Photo>, field: &LightField, depths: &RayDepths) -> Result<Scene, LensError> {
+pub fn scene_of(photo: &Arc<Photo>, depths: &RayDepths) -> Result<Scene, LensError> {
     let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
-    Ok(Scene::new(Arc::clone(photo), map)?.with_behind(revealed(field, depths)))
+    Scene::new(Arc::clone(photo), map)
 }
 
 #[cfg(test)]

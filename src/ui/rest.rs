@@ -92,8 +92,8 @@ impl App {
                 return;
             }
         }
-        let (photo, field, depths) = (Arc::clone(photo), Arc::clone(field), Arc::clone(depths));
-        self.workers.finisher.replace(finals::Request { key, photo, field, depths });
+        let (photo, depths) = (Arc::clone(photo), Arc::clone(depths));
+        self.workers.finisher.replace(finals::Request { key, photo, depths });
         self.rest.asked_for = Some(key);
     }
 

@@ -51,17 +51,19 @@ pub fn photo_scene(args: &SynthArgs, file: &PhotoFile, job: &Job) -> Result<lens
     lens_scene(Arc::clone(&file.photo), &scene, job)
 }
 
-/// A light field's reference view as the photo.
+/// A light field's reference view as the photo, with what the other views see behind its edges.
 pub fn view_scene(scene: &Scene, job: &Job) -> Result<lens::Scene> {
     let view: &View = scene.field.reference();
     let photo = Photo::from_srgb8(view.size(), view.rgba().to_vec())?;
-    lens_scene(Arc::new(photo), scene, job)
+    let lens_scene = lens_scene(Arc::new(photo), scene, job)?;
+    let depths = scene.depths(job)?;
+    Ok(lens_scene.with_behind(lens::revealed(&scene.field, &depths)))
 }
 
-/// A photo with the ray depth of a light field, and with what its views see behind edges.
+/// A photo with the ray depth of its light field.
 pub fn lens_scene(photo: Arc<Photo>, scene: &Scene, job: &Job) -> Result<lens::Scene> {
     let depths = scene.depths(job)?;
-    Ok(lens::Scene::new(photo, reference_map(&depths))?.with_behind(lens::revealed(&scene.field, &depths)))
+    Ok(lens::Scene::new(photo, reference_map(&depths))?)
 }
 
 fn reference_map(depths: &plenoscope::field::RayDepths) -> DisparityMap {

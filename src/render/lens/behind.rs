@@ -1,8 +1,8 @@
 //! What is behind near edges: the far side goes on behind the near one, with its own colours and its own depth.
 //!
 //! A pyramid is built in which a coarse cell holds the farthest surface under it. A place near an edge takes, from fine
-//! to coarse, what lies farther than its own surface: so the colours come from the far side only. Where the light
-//! field's other views have seen behind the edge, theirs come first.
+//! to coarse, what lies farther than its own surface: so the colours come from the far side only. Where other
+//! views of a recorded light field have seen behind the edge, theirs come first.
 
 use rayon::prelude::*;
 
@@ -15,6 +15,9 @@ use crate::field::fit_long_side;
 const GRID_SIDE: u32 = 1024;
 /// A surface is behind another when it is farther by this much, in cells per view step.
 const BEHIND_PX: f32 = 0.08;
+/// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
+/// them with the near side's.
+const MIXED: usize = 2;
 /// How far behind an edge the far side is continued, as a part of the grid's long side.
 const REACH: f32 = 0.14;
 /// Numbers of one cell: light (3), disparity, all times the share, and the share itself; distance from the edge.
@@ -66,17 +69,19 @@ impl Behind {
         let size = fit_long_side(light.size(), GRID_SIDE);
         let front = Front::new(surfaces, &light.reduced(size));
         let behind = BEHIND_PX * surfaces.map_size()[0] as f32 / size[0] as f32;
-        let [inside, distance] = front.edges(behind);
-        let levels = pyramid(front.base(&inside, behind), behind);
+        let edges = front.edges(behind);
+        let levels = pyramid(front.base(behind), behind);
         let reach = REACH * size[0].max(size[1]) as f32;
         let mut cells = vec![[0.0; LEN]; front.depth.len()];
         let width = size[0] as usize;
         cells.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             for (x, cell) in row.iter_mut().enumerate() {
                 let i = y * width + x;
-                cell[DISTANCE] = distance[i];
-                if distance[i] < reach {
-                    let hidden = fill(&levels, [x, y], front.nearest_around(x, y), behind, seen(revealed, size, x, y));
+                cell[DISTANCE] = edges[i].distance;
+                if edges[i].distance < reach {
+                    let own = front.nearest_around(x, y);
+                    let farther = behind.max(0.5 * (own - edges[i].far));
+                    let hidden = fill(&levels, [x, y], [own, farther], seen(revealed, size, x, y));
                     cell[..5].copy_from_slice(&hidden);
                 }
             }
@@ -123,6 +128,15 @@ impl Reader<'_> {
     }
 }
 
+/// The edge that is nearest to a cell.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// How far away it is, in cells.
+    distance: f32,
+    /// Disparity of its far side: what is behind a cell is there, not on a slope of the near side.
+    far: f32,
+}
+
 /// The visible surfaces at the grid's size.
 struct Front {
     size: [usize; 2],
@@ -152,87 +166,55 @@ impl Front {
         Self { size: [width, height], rgb: rgb.concat(), depth: depth.concat() }
     }
 
-    fn around(&self, x: usize, y: usize) -> impl Iterator<Item = usize> {
+    /// The cells up to `reach` from one.
+    fn around(&self, x: usize, y: usize, reach: usize) -> impl Iterator<Item = usize> {
         let [width, height] = self.size;
-        let xs = x.saturating_sub(1)..(x + 2).min(width);
-        (y.saturating_sub(1)..(y + 2).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
+        let xs = x.saturating_sub(reach)..(x + reach + 1).min(width);
+        (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
     }
 
     fn nearest_around(&self, x: usize, y: usize) -> f32 {
-        self.around(x, y).map(|i| self.depth[i]).fold(f32::MIN, f32::max)
+        self.around(x, y, 1).map(|i| self.depth[i]).fold(f32::MIN, f32::max)
     }
 
-    /// Per cell: how many of its neighbours are much nearer (1 or 0), and the distance inward from the nearest edge.
-    fn edges(&self, behind: f32) -> [Vec<f32>; 2] {
+    /// Per cell: the nearest edge. Distance runs inward only: over the near side, never across the far one.
+    fn edges(&self, behind: f32) -> Vec<Edge> {
         let [width, height] = self.size;
-        let far = f32::MAX / 4.0;
-        let mut beside = vec![0.0; self.depth.len()];
-        let mut distance = vec![far; self.depth.len()];
-        for y in 0..height {
-            for x in 0..width {
-                let i = y * width + x;
-                let own = self.depth[i];
-                let [low, high] =
-                    self.around(x, y).fold([own; 2], |[lo, hi], j| [lo.min(self.depth[j]), hi.max(self.depth[j])]);
-                if high > own + behind {
-                    beside[i] = 1.0;
-                    distance[i] = 0.0;
-                }
-                if low < own - behind {
-                    distance[i] = 0.0;
-                }
-            }
-        }
-        let relax = |distance: &mut Vec<f32>, i: usize, j: usize, step: f32| {
-            // Distance runs inward only: over the near side, never across the far one.
-            if self.depth[j] > self.depth[i] - behind {
-                distance[j] = distance[j].min(distance[i] + step);
-            }
+        let own_edge = |i: usize| {
+            let own = self.depth[i];
+            let widen = |[lo, hi]: [f32; 2], j: usize| [lo.min(self.depth[j]), hi.max(self.depth[j])];
+            let [far, near] = self.around(i % width, i / width, 1).fold([own; 2], widen);
+            let is_edge = near > own + behind || far < own - behind;
+            Edge { distance: if is_edge { 0.0 } else { f32::MAX / 4.0 }, far }
         };
-        for y in 0..height {
-            for x in 0..width {
-                let i = y * width + x;
-                if x + 1 < width {
-                    relax(&mut distance, i, i + 1, 1.0);
-                }
-                if y + 1 < height {
-                    relax(&mut distance, i, i + width, 1.0);
-                    if x > 0 {
-                        relax(&mut distance, i, i + width - 1, 1.414);
-                    }
-                    if x + 1 < width {
-                        relax(&mut distance, i, i + width + 1, 1.414);
-                    }
-                }
-            }
-        }
-        for y in (0..height).rev() {
-            for x in (0..width).rev() {
-                let i = y * width + x;
-                if x > 0 {
-                    relax(&mut distance, i, i - 1, 1.0);
-                }
-                if y > 0 {
-                    relax(&mut distance, i, i - width, 1.0);
-                    if x > 0 {
-                        relax(&mut distance, i, i - width - 1, 1.414);
-                    }
-                    if x + 1 < width {
-                        relax(&mut distance, i, i - width + 1, 1.414);
+        let mut edges: Vec<Edge> = (0..self.depth.len()).into_par_iter().map(own_edge).collect();
+        let ahead: [(isize, isize, f32); 4] = [(1, 0, 1.0), (0, 1, 1.0), (-1, 1, 1.414), (1, 1, 1.414)];
+        for (sign, first) in [(1, 0), (-1, edges.len() - 1)] {
+            for k in 0..edges.len() {
+                let i = first.abs_diff(k);
+                for (dx, dy, step) in ahead {
+                    let (x, y) =
+                        ((i % width).wrapping_add_signed(sign * dx), (i / width).wrapping_add_signed(sign * dy));
+                    let j = y.wrapping_mul(width).wrapping_add(x);
+                    let inside = x < width && y < height && self.depth[j] > self.depth[i] - behind;
+                    if inside && edges[i].distance + step < edges[j].distance {
+                        edges[j] = Edge { distance: edges[i].distance + step, far: edges[i].far };
                     }
                 }
             }
         }
-        [beside, distance]
+        edges
     }
 
-    /// The finest level: all cells but those beside something nearer, whose colours may be mixed.
-    fn base(&self, beside: &[f32], _behind: f32) -> Level {
+    /// The finest level: all cells but those beside something nearer, whose colours may be mixed with it.
+    fn base(&self, behind: f32) -> Level {
+        let width = self.size[0];
         let cell = |i: usize| {
+            let nearest = self.around(i % width, i / width, MIXED).map(|j| self.depth[j]).fold(f32::MIN, f32::max);
             let [r, g, b] = self.rgb[i];
-            if beside[i] > 0.0 { [0.0; 5] } else { [r, g, b, self.depth[i], 1.0] }
+            if nearest > self.depth[i] + behind { [0.0; 5] } else { [r, g, b, self.depth[i], 1.0] }
         };
-        Level { size: self.size, cells: (0..self.depth.len()).map(cell).collect() }
+        Level { size: self.size, cells: (0..self.depth.len()).into_par_iter().map(cell).collect() }
     }
 }
 
@@ -276,8 +258,8 @@ fn farthest(fine: &Level, x: usize, y: usize, one: f32) -> Cell {
     sum
 }
 
-/// What is behind a cell whose surface has the disparity `front`; times its share.
-fn fill(levels: &[Level], [x, y]: [usize; 2], front: f32, behind: f32, seen: Cell) -> Cell {
+/// What is behind a cell whose surface has the disparity `front`, and farther by about `behind` at least; times its share.
+fn fill(levels: &[Level], [x, y]: [usize; 2], [front, behind]: [f32; 2], seen: Cell) -> Cell {
     let mut sum = [0.0; 5];
     let mut add = |cell: Cell| {
         let cover = cell[4].min(1.0);

@@ -7,7 +7,8 @@ use crate::field::{LightField, RayDepths};
 /// Farther than the reference view's surface by this much, in pixels per view step.
 const BEHIND_PX: f32 = 0.08;
 
-/// Brings every ray that the reference view cannot see to where it would be in it. Of several the farthest surface's
+/// Brings every ray that the reference view cannot see to where it would be in it. For views that a camera saw: those that
+/// nets made know no more than the photo, and the near side's colours go on in them. Of several the farthest surface's
 /// are averaged, as that is what remains when all before it is taken away.
 pub fn revealed(field: &LightField, depths: &RayDepths) -> Revealed {
     let size = field.size();

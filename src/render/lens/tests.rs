@@ -145,6 +145,19 @@ fn r3_a_sharp_near_object_sheds_no_colour_and_no_shade_on_the_far_plane() {
 }
 
 #[test]
+fn behind_an_uneven_near_side_is_the_far_side() {
+    // A red rim before red that is deeper by more than what counts as behind, then green.
+    let size = [160, 60];
+    let near = |x: f32| if x < EDGE - 6.0 { 0.8 } else { 1.0 };
+    let uneven = map(size, |x, _| if x < EDGE { near(x) } else { -1.0 });
+    let photo = photo(size, |x, _| if x < EDGE { [0.8, 0.0, 0.0] } else { [0.0, 0.5, 0.0] });
+    let out = take(&photo, uneven, &focused(1.0));
+    for x in EDGE as usize + 2..100 {
+        assert!(at(&out, x, 30)[0] < 0.02, "red at {x}: {:?}", at(&out, x, 30));
+    }
+}
+
+#[test]
 fn r4_a_blurred_near_object_has_the_rim_of_a_disc_and_the_far_plane_shows_through() {
     let size = [128, 48];
     let c = 24.0f32;

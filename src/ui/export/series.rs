@@ -6,24 +6,24 @@ use std::sync::Arc;
 use super::super::finals::scene_of;
 use super::Moving;
 use super::work::{AnyError, Request};
-use crate::field::{DisparityMap, Photo};
+use crate::field::Photo;
 use crate::io::save::{AnimationOptions, SaveError};
 use crate::job::Job;
-use crate::render::lens::Scene;
+use crate::render::lens::{Scene, revealed};
 use crate::series::{self, Movement};
 
-/// The lens renderer's scene; for light fields from disk their reference view is the photo.
+/// The lens renderer's scene; for light fields from disk their reference view is the photo, and the other views tell what
+/// is behind its edges.
 fn scene(request: &Request) -> Result<Scene, AnyError> {
     let Some(depths) = &request.depths else {
         return Err("a series needs ray depths — they are still being measured — wait for them".into());
     };
     if let Some(photo) = &request.photo {
-        return Ok(scene_of(photo, &request.field, depths)?);
+        return Ok(scene_of(photo, depths)?);
     }
     let reference = request.field.reference();
-    let photo = Photo::from_srgb8(reference.size(), reference.rgba().to_vec())?;
-    let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
-    Ok(Scene::new(Arc::new(photo), map)?)
+    let photo = Arc::new(Photo::from_srgb8(reference.size(), reference.rgba().to_vec())?);
+    Ok(scene_of(&photo, depths)?.with_behind(revealed(&request.field, depths)))
 }
 
 /// A folder of frames from far to near, everything sharp, and the number of each pixel's sharpest frame. The folder is

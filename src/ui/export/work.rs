@@ -221,7 +221,7 @@ fn picture(request: &Request, job: &Job) -> Result<Picture, String> {
 fn scene(request: &Request, job: &Job) -> Result<Option<(Scene, [u32; 2])>, AnyError> {
     let (Some(photo), Some(depths)) = (&request.photo, &request.depths) else { return Ok(None) };
     let size = request.settings.picture.size.of(photo.size());
-    let scene = scene_of(photo, &request.field, depths)?;
+    let scene = scene_of(photo, depths)?;
     Ok(Some((scene.seen_from(request.edit.viewpoint, size, job)?, size)))
 }
 
