@@ -12,6 +12,7 @@
 //! * [`kernel`]: the convolutions that inference and training share.
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
+//! * [`background`]: what goes on behind near edges.
 //! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.
 //! * [`series`]: focal stacks and animations.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
@@ -19,6 +20,7 @@
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
+pub mod background;
 pub mod batch;
 pub mod bench;
 pub mod field;

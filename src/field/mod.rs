@@ -32,7 +32,7 @@ pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
 pub use photo::{Metadata, Photo, PhotoPixels, fit_long_side};
 pub use ray_depths::RayDepths;
-pub use tap::bilinear;
+pub use tap::{bilinear, ramp};
 pub use transfer::Transfer;
 pub use view::View;
 

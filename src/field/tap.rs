@@ -1,4 +1,4 @@
-//! Values between pixels.
+//! Values between pixels, and between 0 and 1.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -16,6 +16,13 @@ where
     let along = |row: usize| at(row * w + x0) + (at(row * w + x1) - at(row * w + x0)) * fx;
     let (above, below) = (along(y0), along(y1));
     above + (below - above) * fy
+}
+
+/// Smooth step from 0 at `from` to 1 at `to`.
+#[inline]
+pub fn ramp(from: f32, to: f32, value: f32) -> f32 {
+    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ pub mod cache;
 mod cached;
 mod depth;
 mod error;
+mod far_side;
 pub mod fuse;
 pub mod lambertian;
 mod library;

@@ -7,6 +7,7 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
+use super::far_side::FarSide;
 use super::lambertian::{encode, fill_row, render_row};
 use super::net::Net;
 use super::picture::Signed;
@@ -213,20 +214,29 @@ impl Residuals {
         Vec4::new(channel(0), channel(1), channel(2), 0.0)
     }
 
-    /// The corrected view: Lambertian colour plus residual, the residual brought to the photo's size.
-    pub(super) fn correct(&self, photo: &Signed, depths: &RayDepths, layer: usize) -> Result<View, SynthError> {
+    /// The corrected view: Lambertian colour plus residual, the residual brought to the photo's size; where rays end
+    /// behind what the photo sees, the far side.
+    pub(super) fn correct(
+        &self,
+        photo: &Signed,
+        far: &FarSide,
+        depths: &RayDepths,
+        layer: usize,
+    ) -> Result<View, SynthError> {
         let [w, h] = photo.size;
         let at = depths.grid().view_from_layer(layer);
         let (rx, ry) = (self.size[0] as f32 / w as f32, self.size[1] as f32 / h as f32);
         let mut rgba = vec![255; w * h * 4];
         for (y, (row, d)) in rgba.chunks_exact_mut(w * 4).zip(depths.view(at).chunks_exact(w)).enumerate() {
             let sy = (y as f32 + 0.5) * ry - 0.5;
-            render_row(photo, d, [0, y], depths.grid().offset(at), |x, colour| {
+            let from = depths.grid().offset(at);
+            render_row(photo, d, [0, y], from, |x, colour| {
                 let residual = match self.size == photo.size {
                     true => self.at(layer, x, y),
                     false => self.tap(layer, (x as f32 + 0.5) * rx - 0.5, sy),
                 };
-                row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour + residual));
+                let colour = far.colour(colour + residual, [x, y], from, d[x]);
+                row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour));
             });
         }
         Ok(View::new(depths.size(), rgba)?)

@@ -6,6 +6,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::depth::{DepthNet, NetDepths};
+use super::far_side::FarSide;
 use super::occlusion::OcclusionNet;
 use super::picture::{Signed, reference_view};
 use super::relative::RelativeNet;
@@ -269,9 +270,10 @@ fn correct(
         let (photo, depths) = shrunk(reference, depths, small)?;
         net.residuals(&photo, &depths, threads, job)?
     };
+    let far = FarSide::new(photo, depths);
     *views = spiral(grid, None, job, |at| match at == grid.reference() {
         true => Ok(Arc::clone(reference)),
-        false => Ok(Arc::new(residuals.correct(photo, depths, grid.layer_from_view(at))?)),
+        false => Ok(Arc::new(residuals.correct(photo, &far, depths, grid.layer_from_view(at))?)),
     })?;
     Ok(())
 }

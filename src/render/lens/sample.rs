@@ -1,5 +1,7 @@
 //! Bilinear reading of a grid at the pixels of another, by the conventions of [`crate::field`].
 
+pub(super) use crate::field::ramp;
+
 /// Where the pixels of one axis lie in a grid: the lower neighbour and the share of the upper one.
 pub(super) struct Axis {
     at: Vec<(u32, f32)>,
@@ -30,13 +32,6 @@ impl Axis {
 #[inline]
 pub(super) fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
-}
-
-/// Smooth step from 0 at `from` to 1 at `to`.
-#[inline]
-pub(super) fn ramp(from: f32, to: f32, value: f32) -> f32 {
-    let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 /// All numbers of a cell, between four cells of a grid of `width` columns.

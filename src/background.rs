@@ -1,0 +1,202 @@
+//! What goes on behind near edges: the far side continues there, with its own colours and its own depth.
+//!
+//! A pyramid is built in which a coarse cell holds the farthest surface under it. A place near an edge takes, from fine
+//! to coarse, what lies farther than its own surface: so the colours come from the far side only.
+
+use rayon::prelude::*;
+
+use crate::field::ramp;
+
+/// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
+/// them with the near side's.
+const MIXED: usize = 2;
+/// How far behind an edge the far side is continued, as a part of the long side.
+const REACH: f32 = 0.14;
+
+/// What can be seen: colours and their surfaces.
+///
+/// # Shapes
+/// - `rgb` and `disparity_px`: `[y, x]`; colours of any space whose means make sense
+pub struct Front {
+    /// Width and height.
+    pub size: [usize; 2],
+    /// Colours.
+    pub rgb: Vec<[f32; 3]>,
+    /// Disparity, pixels per view step.
+    pub disparity_px: Vec<f32>,
+}
+
+/// What is behind a place: colour (3) and disparity, both times the share, the share, and the distance.
+pub type Hidden = [f32; 6];
+/// How much is known of what is behind: 0 nothing … 1.
+pub const SHARE: usize = 4;
+/// How far inside the near side a place is: cells from the nearest edge.
+pub const DISTANCE: usize = 5;
+
+/// Colour and disparity times the weight, and the weight.
+pub type Cell = [f32; 5];
+
+/// Behind every place of a picture, `[y, x]`. A surface is behind another when it is farther by `apart_px`; `seen` is
+/// what is known of a place from elsewhere, of weight 0 where nothing is.
+pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell + Sync) -> Vec<Hidden> {
+    let edges = front.edges(apart_px);
+    let levels = pyramid(front.base(apart_px), apart_px);
+    let [width, height] = front.size;
+    let reach = REACH * width.max(height) as f32;
+    let at = |i: usize| {
+        let (x, y, Edge { distance, far }) = (i % width, i / width, edges[i]);
+        let mut hidden = [0.0; 6];
+        hidden[DISTANCE] = distance;
+        if distance < reach {
+            let own = front.nearest_around(i);
+            let farther = apart_px.max(0.5 * (own - far));
+            hidden[..DISTANCE].copy_from_slice(&fill(&levels, [x, y], [own, farther], seen(x, y)));
+        }
+        hidden
+    };
+    (0..edges.len()).into_par_iter().with_min_len(width).map(at).collect()
+}
+
+struct Level {
+    size: [usize; 2],
+    cells: Vec<Cell>,
+}
+
+/// The edge that is nearest to a cell.
+#[derive(Clone, Copy)]
+struct Edge {
+    /// How far away it is, in cells.
+    distance: f32,
+    /// Disparity of its far side: what is behind a cell is there, not on a slope of the near side.
+    far: f32,
+}
+
+impl Front {
+    /// The places up to `reach` rows and columns from one.
+    pub fn around(&self, i: usize, reach: usize) -> impl Iterator<Item = usize> {
+        let [width, height] = self.size;
+        let (x, y) = (i % width, i / width);
+        let xs = x.saturating_sub(reach)..(x + reach + 1).min(width);
+        (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
+    }
+
+    fn nearest_around(&self, i: usize) -> f32 {
+        self.around(i, 1).map(|i| self.disparity_px[i]).fold(f32::MIN, f32::max)
+    }
+
+    /// Per cell: the nearest edge. Distance runs inward only: over the near side, never across the far one.
+    fn edges(&self, behind: f32) -> Vec<Edge> {
+        let [width, height] = self.size;
+        let own_edge = |i: usize| {
+            let own = self.disparity_px[i];
+            let widen = |[lo, hi]: [f32; 2], j: usize| [lo.min(self.disparity_px[j]), hi.max(self.disparity_px[j])];
+            let [far, near] = self.around(i, 1).fold([own; 2], widen);
+            let is_edge = near > own + behind || far < own - behind;
+            Edge { distance: if is_edge { 0.0 } else { f32::MAX / 4.0 }, far }
+        };
+        let mut edges: Vec<Edge> = (0..self.disparity_px.len()).into_par_iter().map(own_edge).collect();
+        let ahead: [(isize, isize, f32); 4] = [(1, 0, 1.0), (0, 1, 1.0), (-1, 1, 1.414), (1, 1, 1.414)];
+        for (sign, first) in [(1, 0), (-1, edges.len() - 1)] {
+            for k in 0..edges.len() {
+                let i = first.abs_diff(k);
+                for (dx, dy, step) in ahead {
+                    let (x, y) =
+                        ((i % width).wrapping_add_signed(sign * dx), (i / width).wrapping_add_signed(sign * dy));
+                    let j = y.wrapping_mul(width).wrapping_add(x);
+                    let inside = x < width && y < height && self.disparity_px[j] > self.disparity_px[i] - behind;
+                    if inside && edges[i].distance + step < edges[j].distance {
+                        edges[j] = Edge { distance: edges[i].distance + step, far: edges[i].far };
+                    }
+                }
+            }
+        }
+        edges
+    }
+
+    /// The finest level: all cells but those beside something nearer, whose colours may be mixed with it.
+    fn base(&self, behind: f32) -> Level {
+        let cell = |i: usize| {
+            let nearest = self.around(i, MIXED).map(|j| self.disparity_px[j]).fold(f32::MIN, f32::max);
+            let [r, g, b] = self.rgb[i];
+            if nearest > self.disparity_px[i] + behind { [0.0; 5] } else { [r, g, b, self.disparity_px[i], 1.0] }
+        };
+        Level { size: self.size, cells: (0..self.disparity_px.len()).into_par_iter().map(cell).collect() }
+    }
+}
+
+/// Coarser and coarser levels, each cell the farthest of the surfaces under it.
+fn pyramid(base: Level, behind: f32) -> Vec<Level> {
+    let mut levels = vec![base];
+    while let Some(fine) = levels.last()
+        && fine.size[0].max(fine.size[1]) > 2
+    {
+        let size = fine.size.map(|s| s.div_ceil(2));
+        // Farther apart, one surface may have more depth.
+        let one = behind * (1.0 + levels.len() as f32);
+        let mut cells = Vec::with_capacity(size[0] * size[1]);
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                cells.push(farthest(fine, x, y, one));
+            }
+        }
+        levels.push(Level { size, cells });
+    }
+    levels
+}
+
+fn farthest(fine: &Level, x: usize, y: usize, one: f32) -> Cell {
+    let child = |dx: usize, dy: usize| {
+        let (cx, cy) = (2 * x + dx, 2 * y + dy);
+        (cx < fine.size[0] && cy < fine.size[1]).then(|| fine.cells[cy * fine.size[0] + cx]).filter(|c| c[4] > 0.0)
+    };
+    let children = [child(0, 0), child(1, 0), child(0, 1), child(1, 1)];
+    let depth = |c: &Cell| c[3] / c[4];
+    let least = children.iter().flatten().map(depth).fold(f32::MAX, f32::min);
+    let mut sum = [0.0; 5];
+    for cell in children.iter().flatten().filter(|c| depth(c) < least + one) {
+        sum.iter_mut().zip(cell).for_each(|(s, v)| *s += v);
+    }
+    // A weight is a matter of yes or no as soon as one fine cell is known.
+    if sum[4] > 1.0 {
+        let weight = sum[4];
+        sum.iter_mut().for_each(|s| *s /= weight);
+    }
+    sum
+}
+
+/// What is behind a cell whose surface has the disparity `front`, and farther by about `behind` at least; times its share.
+fn fill(levels: &[Level], [x, y]: [usize; 2], [front, behind]: [f32; 2], seen: Cell) -> Cell {
+    let mut sum = [0.0; 5];
+    let mut add = |cell: Cell| {
+        let cover = cell[4].min(1.0);
+        if cover > 0.0 {
+            let part = (1.0 - sum[4]) * cover / cell[4];
+            sum.iter_mut().zip(cell).for_each(|(s, v)| *s += part * v);
+        }
+        sum[4] > 0.98
+    };
+    if seen[4] > 0.0 && seen[3] / seen[4] < front - behind && add(seen) {
+        return sum;
+    }
+    for (n, level) in levels.iter().enumerate() {
+        let scale = 1.0 / (1u32 << n) as f32;
+        let place = [(x as f32 + 0.5) * scale - 0.5, (y as f32 + 0.5) * scale - 0.5];
+        let corner = place.map(|p| p.floor());
+        let mut found = [0.0; 5];
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let at = [corner[0] as i32 + dx, corner[1] as i32 + dy];
+            let inside = |axis: usize| (at[axis].max(0) as usize).min(level.size[axis] - 1);
+            let cell = &level.cells[inside(1) * level.size[0] + inside(0)];
+            if cell[4] <= 0.0 {
+                continue;
+            }
+            let share = (1.0 - (place[0] - at[0] as f32).abs()) * (1.0 - (place[1] - at[1] as f32).abs());
+            let farther = ramp(0.5 * behind, 1.5 * behind, front - cell[3] / cell[4]);
+            found.iter_mut().zip(cell).for_each(|(f, v)| *f += share * farther * v);
+        }
+        if add(found) {
+            break;
+        }
+    }
+    sum
+}
