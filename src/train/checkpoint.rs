@@ -80,6 +80,21 @@ impl Checkpoint {
         average.approach(&self.weights, 1.0 - part.min(young));
     }
 
+    /// The mean of nets of one architecture: of the ends of runs that went on from one another, it knows more than any of
+    /// them (Izmailov et al. 2018). It has no average of its own and no moments.
+    pub fn mean(nets: Vec<Self>) -> Result<Self, TrainError> {
+        let Some(first) = nets.first() else { return Err(TrainError::Missing { name: "checkpoint".into() }) };
+        let mut mean = Self { weights: first.best().clone(), ..Self::new(first.arch, 0) };
+        mean.progress = first.progress.clone();
+        for (i, net) in nets.iter().enumerate().skip(1) {
+            if net.arch != mean.arch {
+                return Err(TrainError::Architecture { wanted: mean.arch.name() });
+            }
+            mean.weights.approach(net.best(), 1.0 / (i + 1) as f32);
+        }
+        Ok(mean)
+    }
+
     /// Writes the file aside, then renames it: an earlier checkpoint stays whole if this fails.
     pub fn save(&self, path: &Path, moments: Moments) -> Result<(), TrainError> {
         let failed = |source| TrainError::File { action: "write the checkpoint", source, path: path.to_owned() };
@@ -241,6 +256,21 @@ mod tests {
         assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
         checkpoint.save(&path, Moments::Without).unwrap();
         assert_eq!(&Checkpoint::load(&path).unwrap().weights, checkpoint.best());
+    }
+
+    #[test]
+    fn the_mean_of_nets_is_that_of_their_averages_and_of_one_architecture() {
+        let net = |value: f32| {
+            let mut net = Checkpoint::new(Arch::Tiny, 3);
+            net.weights.tensors[0].values[0] = value;
+            net
+        };
+        let averaged = Checkpoint { average: Some(net(5.0).weights), ..net(100.0) };
+        let mean = Checkpoint::mean(vec![net(1.0), net(3.0), averaged]).unwrap();
+        assert!((mean.weights.tensors[0].values[0] - 3.0).abs() < 1e-5);
+        assert_eq!(mean.weights.tensors[1], net(0.0).weights.tensors[1]);
+        let error = Checkpoint::mean(vec![net(1.0), Checkpoint::new(Arch::Occlusion, 3)]).unwrap_err().to_string();
+        assert!(error.contains("tiny"), "{error}");
     }
 
     #[test]

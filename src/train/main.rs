@@ -55,7 +55,10 @@ fn command() -> Command {
 fn export_command() -> Command {
     Command::new("export")
         .about("Write a checkpoint as models/<ID>/model.onnx with its manifest")
-        .arg(arg!(<CHECKPOINT> "A .safetensors file of a run").value_parser(value_parser!(PathBuf)))
+        .arg(
+            arg!(<CHECKPOINT> ... "A .safetensors file of a run; of several, ends of runs that went on from one another, the mean")
+                .value_parser(value_parser!(PathBuf)),
+        )
         .arg(arg!(--id <ID> "Name of the model and of its folder").required(true))
         .arg(arg!(--models <DIR> "Where models lie").value_parser(value_parser!(PathBuf)).default_value("models"))
         .arg(arg!(--licence <TEXT> "Licence of the weights").default_value("research use: see the model card"))
@@ -103,7 +106,9 @@ fn required<T: Clone + Send + Sync + 'static>(matches: &ArgMatches, name: &str) 
 }
 
 fn export(matches: &ArgMatches) -> Result<()> {
-    let net = Checkpoint::load(&required::<PathBuf>(matches, "CHECKPOINT")?)?;
+    let paths = matches.get_many::<PathBuf>("CHECKPOINT").into_iter().flatten();
+    let nets = paths.map(|path| Checkpoint::load(path)).collect::<Result<Vec<_>, _>>()?;
+    let net = Checkpoint::mean(nets)?;
     let about = About {
         id: required(matches, "id")?,
         licence: required(matches, "licence")?,
