@@ -18,6 +18,8 @@ use crate::job::{Job, Stage};
 const PAST_PX: f32 = 0.06;
 /// Steps of the search are at most so many pixels apart, before the last one is halved.
 const STEP_PX: f32 = 0.7;
+/// Pixels beside something nearer up to which a camera mixes its colour in.
+const MIXED: i32 = 2;
 /// Rows that are looked at together, between two looks at the flag.
 const ROWS: usize = 64;
 
@@ -110,7 +112,7 @@ impl Front {
                 continue;
             }
             let ray = self.halved([before, ray], place);
-            return (self.color_at(place(ray)), ray);
+            return (self.bare(place(ray), ray, shift).unwrap_or_else(|| self.color_at(place(ray))), ray);
         }
         let last = place(far);
         (self.color_at(last), far)
@@ -135,6 +137,18 @@ impl Front {
         let reader = self.behind.reader(x as i32, 1, self.size);
         let hidden = reader.hidden(reader.at_row(y as i32), 0)?;
         (hidden.share > 0.5 && hidden.disparity_px + step >= ray).then_some((hidden.rgb, hidden.disparity_px))
+    }
+
+    /// The far side's colour where a pixel beside something nearer, which has some of its colour, is seen apart from it.
+    fn bare(&self, at: [f32; 2], ray: f32, shift: [f32; 2]) -> Option<[f32; 3]> {
+        let [x, y] = self.nearest(at);
+        let reader = self.behind.reader(x as i32, 1, self.size);
+        let hidden = reader.hidden(reader.at_row(y as i32), 0).filter(|hidden| hidden.share > 0.5)?;
+        let around = (-MIXED..=MIXED).flat_map(|dy| (-MIXED..=MIXED).map(move |dx| [dx as f32, dy as f32]));
+        let beside = around.map(|[dx, dy]| (self.depth_at([x as f32 + dx, y as f32 + dy]) - ray, [dx, dy]));
+        let (apart, [dx, dy]) = beside.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let between = (dx - shift[0] * apart).abs().max((dy - shift[1] * apart).abs());
+        (apart > PAST_PX && between > MIXED as f32 + 1.0).then_some(hidden.rgb)
     }
 
     fn nearest(&self, at: [f32; 2]) -> [usize; 2] {
