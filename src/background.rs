@@ -9,7 +9,7 @@ use crate::field::ramp;
 
 /// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
 /// them with the near side's.
-const MIXED: usize = 2;
+pub const MIXED: usize = 2;
 /// How far behind an edge the far side is continued, as a part of the long side.
 const REACH: f32 = 0.14;
 
@@ -55,6 +55,13 @@ pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell 
         hidden
     };
     (0..edges.len()).into_par_iter().with_min_len(width).map(at).collect()
+}
+
+/// Pixels between a place and a neighbour at `offset` that is nearer by `apart_px`, seen from where a disparity of 1 is
+/// displaced by `shift`.
+pub fn between(offset: [f32; 2], shift: [f32; 2], apart_px: f32) -> f32 {
+    let [x, y] = [0, 1].map(|axis| (offset[axis] - shift[axis] * apart_px).abs());
+    x.max(y)
 }
 
 struct Level {

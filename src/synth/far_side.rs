@@ -51,15 +51,15 @@ impl FarSide {
         let [x, y] = [x as f32 + from.du * d, y as f32 + from.dv * d];
         let inside = |at: f32, side: usize| (at.round().max(0.0) as usize).min(side - 1);
         let near = &self.nearest[inside(y, self.size[1]) * self.size[0] + inside(x, self.size[0])];
-        if near.beside_px - d <= HIDDEN_PX[0] {
+        let apart = near.beside_px - d;
+        if apart <= HIDDEN_PX[0] {
             return own;
         }
-        let hides = |surface_px: f32| ramp(HIDDEN_PX[0], HIDDEN_PX[1], surface_px - d);
-        let apart = near.beside_px - d;
-        let between = [(0, from.du), (1, from.dv)].map(|(a, step)| (f32::from(near.at[a]) - step * apart).abs());
-        let bare = hides(near.beside_px) * ramp(BARE_PX[0], BARE_PX[1], between[0].max(between[1]));
+        let hides = |apart: f32| ramp(HIDDEN_PX[0], HIDDEN_PX[1], apart);
+        let between = background::between(near.at.map(f32::from), [from.du, from.dv], apart);
+        let bare = hides(apart) * ramp(BARE_PX[0], BARE_PX[1], between);
         let [r, g, b, share] = self.tap(x, y).to_array();
-        let known = hides(near.own_px).max(bare) * share.min(1.0);
+        let known = hides(near.own_px - d).max(bare) * share.min(1.0);
         own + (Vec4::new(r, g, b, 0.0) / share.max(1e-6) - own) * known
     }
 

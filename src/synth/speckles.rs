@@ -15,6 +15,9 @@ pub(super) fn remove(
     difference: impl Fn(usize, usize) -> f32,
     cancel: &Cancel,
 ) -> Result<(), Cancelled> {
+    if least < 2 {
+        return Ok(());
+    }
     let mut left = islands(map, [w, h], least, cancel)?;
     let mut unknown = vec![false; map.len()];
     left.iter().for_each(|&i| unknown[i] = true);
@@ -41,9 +44,6 @@ fn islands(map: &[f32], size: [usize; 2], least: usize, cancel: &Cancel) -> Resu
     let mut seen = vec![false; map.len()];
     let mut islands = Vec::new();
     let mut surface = Vec::new();
-    if least < 2 {
-        return Ok(islands);
-    }
     for start in 0..map.len() {
         if start % size[0] == 0 {
             cancel.check()?;

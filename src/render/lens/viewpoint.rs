@@ -11,6 +11,7 @@ use super::behind::Behind;
 use super::light::{Light, Space};
 use super::surfaces::Surfaces;
 use super::{LensError, Scene};
+use crate::background::{MIXED, between};
 use crate::field::{DisparityMap, Photo, PhotoPixels, Transfer, ViewPoint, color::srgb8_from_linear};
 use crate::job::{Job, Stage};
 
@@ -18,8 +19,6 @@ use crate::job::{Job, Stage};
 const PAST_PX: f32 = 0.06;
 /// Steps of the search are at most so many pixels apart, before the last one is halved.
 const STEP_PX: f32 = 0.7;
-/// Pixels beside something nearer up to which a camera mixes its colour in.
-const MIXED: i32 = 2;
 /// Rows that are looked at together, between two looks at the flag.
 const ROWS: usize = 64;
 
@@ -144,11 +143,11 @@ impl Front {
         let [x, y] = self.nearest(at);
         let reader = self.behind.reader(x as i32, 1, self.size);
         let hidden = reader.hidden(reader.at_row(y as i32), 0).filter(|hidden| hidden.share > 0.5)?;
-        let around = (-MIXED..=MIXED).flat_map(|dy| (-MIXED..=MIXED).map(move |dx| [dx as f32, dy as f32]));
+        let reach = MIXED as i32;
+        let around = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| [dx as f32, dy as f32]));
         let beside = around.map(|[dx, dy]| (self.depth_at([x as f32 + dx, y as f32 + dy]) - ray, [dx, dy]));
-        let (apart, [dx, dy]) = beside.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let between = (dx - shift[0] * apart).abs().max((dy - shift[1] * apart).abs());
-        (apart > PAST_PX && between > MIXED as f32 + 1.0).then_some(hidden.rgb)
+        let (apart, offset) = beside.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (apart > PAST_PX && between(offset, shift, apart) > MIXED as f32 + 1.0).then_some(hidden.rgb)
     }
 
     fn nearest(&self, at: [f32; 2]) -> [usize; 2] {
