@@ -1,6 +1,6 @@
 //! The disparity of every ray.
 
-use super::{FieldError, ViewGrid, ViewIndex, check_len};
+use super::{DisparityMap, FieldError, ViewGrid, ViewIndex, check_len};
 
 /// Disparity of every ray: pixels that a point moves per view step, not metres. Larger is nearer.
 ///
@@ -46,6 +46,11 @@ impl RayDepths {
     /// The map of the reference view, `[y, x]`.
     pub fn reference(&self) -> &[f32] {
         self.view(self.grid.reference())
+    }
+
+    /// The same as a map of its own.
+    pub fn reference_map(&self) -> DisparityMap {
+        DisparityMap { size: self.size(), disparity_px: self.reference().to_vec() }
     }
 
     /// Disparity of one ray.

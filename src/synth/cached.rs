@@ -9,7 +9,7 @@ use super::cache::{Cache, CacheKey, Entry};
 use super::picture::{Signed, reference_view};
 use super::pipeline::{Made, Synthesizer};
 use super::{SynthError, SynthParams, Synthesis, lambertian, lift, tract};
-use crate::field::{DisparityMap, LightField, Photo, View, ViewIndex};
+use crate::field::{LightField, Photo, View, ViewIndex};
 use crate::job::Job;
 
 impl Synthesizer {
@@ -45,7 +45,7 @@ impl Synthesizer {
     /// What a cache keeps of a light field; none where its depths are more than their reference map.
     fn entry(&self, made: &Synthesis) -> Option<Entry> {
         let (grid, depths) = (self.grid(), &made.depths);
-        let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
+        let map = depths.reference_map();
         if lift::ray_depths(&map, grid) != **depths {
             return None;
         }

@@ -8,7 +8,7 @@ use egui::{Rect, Vec2};
 use super::state::Edit;
 use super::tiles::TileSet;
 use super::worker::{Event, JobId, Outbox, Work};
-use crate::field::{DisparityMap, Lens, Photo, RayDepths, ViewPoint, fit_long_side};
+use crate::field::{Lens, Photo, RayDepths, ViewPoint, fit_long_side};
 use crate::job::{Cancel, Job};
 use crate::render::Picture;
 use crate::render::lens::{LensError, LensGpu, Prepared, Region, Scene, Space};
@@ -138,8 +138,7 @@ impl Renderer {
 
 /// A photo with the depths of its light field, ready for the lens renderer.
 pub fn scene_of(photo: &Arc<Photo>, depths: &RayDepths) -> Result<Scene, LensError> {
-    let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
-    Scene::new(Arc::clone(photo), map)
+    Scene::new(Arc::clone(photo), depths.reference_map())
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ impl Maker {
         let Some((_, nets)) = &self.nets else { return };
         let params = SynthParams { threads: self.threads, ..SynthParams::default() };
         let Ok(guess) = nets.working_scale_depth(made.field.reference(), &params, job) else { return };
-        let measured = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
+        let measured = depths.reference_map();
         if fuse::agreement(&guess, &measured) < -TELLS {
             job.sink.warning(
                 "What looks near to the depth net lies far in these views: if it is near, turn on “Exchange near and far”"

@@ -1,7 +1,6 @@
 //! `export`: everything else that a light field can become.
 
 use anyhow::Result;
-use plenoscope::field::DisparityMap;
 use plenoscope::io::formats::depth_out::{self, Seen};
 use plenoscope::io::formats::{ply, stereo};
 use plenoscope::job::{Job, Stage};
@@ -53,7 +52,7 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
             target.check()?;
             let scene = scene(job)?;
             let depths = scene.depths(job)?;
-            let map = DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() };
+            let map = depths.reference_map();
             job.advance(Stage::Save, 0, 1)?;
             let seen = scene.photo.as_deref().map_or(Seen::View(scene.field.reference()), Seen::Photo);
             Ok(depth_out::write_gdepth(&args.output, seen, &map, GDEPTH_QUALITY)?)

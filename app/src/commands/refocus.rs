@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::{Result, bail};
-use plenoscope::field::{DisparityMap, FNumber, FocalPlane, Lens, Photo, View, ViewOffset, ViewPoint, fit_long_side};
+use plenoscope::field::{FNumber, FocalPlane, Lens, Photo, View, ViewOffset, ViewPoint, fit_long_side};
 use plenoscope::io::save::{self, Keep, Origin, PictureOptions};
 use plenoscope::io::{Opened, PhotoFile};
 use plenoscope::job::{Job, Stage};
@@ -63,11 +63,7 @@ pub fn view_scene(scene: &Scene, job: &Job) -> Result<lens::Scene> {
 /// A photo with the ray depth of its light field.
 pub fn lens_scene(photo: Arc<Photo>, scene: &Scene, job: &Job) -> Result<lens::Scene> {
     let depths = scene.depths(job)?;
-    Ok(lens::Scene::new(photo, reference_map(&depths))?)
-}
-
-fn reference_map(depths: &plenoscope::field::RayDepths) -> DisparityMap {
-    DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() }
+    Ok(lens::Scene::new(photo, depths.reference_map())?)
 }
 
 /// What was asked for: a recipe, and arguments that go before it.
@@ -98,7 +94,7 @@ impl Edit<'_> {
     /// together is the lens renderer's.
     fn of_views(&self, scene: &Scene, job: &Job) -> Result<()> {
         let depths = scene.depths(job)?;
-        let own = reference_map(&depths);
+        let own = depths.reference_map();
         let photo_size = scene.photo.as_ref().map_or(scene.field.size(), |photo| photo.size());
         let recipe = self.recipe.clone().unwrap_or_default();
         let mut base = recipe.lens;

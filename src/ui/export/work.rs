@@ -11,7 +11,7 @@ use super::super::state::Edit;
 use super::super::subject;
 use super::super::worker::{Event, JobId, Outbox, Work};
 use super::{Existing, ExportSettings, What, series};
-use crate::field::{DisparityMap, LightField, Photo, RayDepths};
+use crate::field::{LightField, Photo, RayDepths};
 use crate::io::formats::depth_out::Seen;
 use crate::io::formats::{Source, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
 use crate::io::save::{self, Keep, Origin, PictureOptions, SaveError};
@@ -144,7 +144,7 @@ fn write(target: &Path, request: &Request, job: &Job) -> Result<(), AnyError> {
     let Request { field, stored, depths, photo, settings, .. } = request;
     let depths = depths.as_deref();
     let source = Source { depths, photo: photo.as_deref(), ..Source::new(stored.as_ref().unwrap_or(field)) };
-    let map = || depths.map(reference_map).ok_or_else(|| no_depths(target));
+    let map = || depths.map(RayDepths::reference_map).ok_or_else(|| no_depths(target));
     match settings.what {
         What::Picture => return write_picture(target, request, job),
         What::FocalStack => return series::focal_stack(target, request, job),
@@ -174,10 +174,6 @@ fn write(target: &Path, request: &Request, job: &Job) -> Result<(), AnyError> {
         What::Ply => ply::write(target, &source)?,
     }
     Ok(())
-}
-
-fn reference_map(depths: &RayDepths) -> DisparityMap {
-    DisparityMap { size: depths.size(), disparity_px: depths.reference().to_vec() }
 }
 
 fn no_depths(target: &Path) -> SaveError {
