@@ -9,7 +9,7 @@ use crate::field::ramp;
 
 /// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
 /// them with the near side's.
-pub const MIXED: usize = 2;
+const MIXED: usize = 2;
 /// How far behind an edge the far side is continued, as a part of the long side.
 const REACH: f32 = 0.14;
 
@@ -48,7 +48,7 @@ pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell 
         let mut hidden = [0.0; 6];
         hidden[DISTANCE] = distance;
         if distance < reach {
-            let own = front.nearest_around(i);
+            let own = front.nearest_around(i, MIXED);
             let farther = apart_px.max(0.5 * (own - far));
             hidden[..DISTANCE].copy_from_slice(&fill(&levels, [x, y], [own, farther], seen(x, y)));
         }
@@ -57,11 +57,41 @@ pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell 
     (0..edges.len()).into_par_iter().with_min_len(width).map(at).collect()
 }
 
-/// Pixels between a place and a neighbour at `offset` that is nearer by `apart_px`, seen from where a disparity of 1 is
-/// displaced by `shift`.
-pub fn between(offset: [f32; 2], shift: [f32; 2], apart_px: f32) -> f32 {
-    let [x, y] = [0, 1].map(|axis| (offset[axis] - shift[axis] * apart_px).abs());
-    x.max(y)
+/// The closest of a place's neighbours that is nearer than the place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// Its disparity.
+    pub disparity_px: f32,
+    /// Where it lies from the place.
+    offset: [i8; 2],
+}
+
+impl Beside {
+    /// Of a place of a map `[y, x]`, if one is nearer by `apart_px`.
+    pub fn of(map_px: &[f32], size: [usize; 2], i: usize, apart_px: f32) -> Option<Self> {
+        let place = |i: usize| [i % size[0], i / size[0]].map(|at| at as i32);
+        let offset = |j: usize| [0, 1].map(|axis| (place(j)[axis] - place(i)[axis]) as i8);
+        let steps = |j: usize| offset(j).map(i8::unsigned_abs).into_iter().max();
+        let nearer = around(size, i, MIXED).filter(|&j| map_px[j] > map_px[i] + apart_px);
+        nearer.min_by_key(|&j| steps(j)).map(|j| Self { disparity_px: map_px[j], offset: offset(j) })
+    }
+
+    /// A pixel beside a nearer one has some of its colour. It is seen for what it is, 0 … 1, once a viewpoint brings more
+    /// pixels between the two. `shift`: pixels by which a disparity of 1 is displaced there; `own_px`: the pixel's own.
+    pub fn bare(&self, own_px: f32, shift: [f32; 2]) -> f32 {
+        let apart = self.disparity_px - own_px;
+        let farthest = |[x, y]: [f32; 2]| x.abs().max(y.abs());
+        let offset = self.offset.map(f32::from);
+        let seen = farthest([0, 1].map(|axis| offset[axis] - shift[axis] * apart));
+        ramp(0.0, 1.0, seen - farthest(offset))
+    }
+}
+
+/// The places up to `reach` rows and columns from one.
+fn around([width, height]: [usize; 2], i: usize, reach: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (i % width, i / width);
+    let xs = x.saturating_sub(reach)..(x + reach + 1).min(width);
+    (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
 }
 
 struct Level {
@@ -79,25 +109,19 @@ struct Edge {
 }
 
 impl Front {
-    /// The places up to `reach` rows and columns from one.
-    pub fn around(&self, i: usize, reach: usize) -> impl Iterator<Item = usize> {
-        let [width, height] = self.size;
-        let (x, y) = (i % width, i / width);
-        let xs = x.saturating_sub(reach)..(x + reach + 1).min(width);
-        (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
+    /// Disparity of the nearest surface up to `reach` rows and columns from a cell.
+    fn nearest_around(&self, i: usize, reach: usize) -> f32 {
+        around(self.size, i, reach).map(|i| self.disparity_px[i]).fold(f32::MIN, f32::max)
     }
 
-    fn nearest_around(&self, i: usize) -> f32 {
-        self.around(i, 1).map(|i| self.disparity_px[i]).fold(f32::MIN, f32::max)
-    }
-
-    /// Per cell: the nearest edge. Distance runs inward only: over the near side, never across the far one.
+    /// Per cell: the nearest edge. Distance runs inward only: over the near side, and across the far one no farther than
+    /// colours are mixed.
     fn edges(&self, behind: f32) -> Vec<Edge> {
         let [width, height] = self.size;
         let own_edge = |i: usize| {
             let own = self.disparity_px[i];
-            let widen = |[lo, hi]: [f32; 2], j: usize| [lo.min(self.disparity_px[j]), hi.max(self.disparity_px[j])];
-            let [far, near] = self.around(i, 1).fold([own; 2], widen);
+            let far = around(self.size, i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
+            let near = self.nearest_around(i, MIXED);
             let is_edge = near > own + behind || far < own - behind;
             Edge { distance: if is_edge { 0.0 } else { f32::MAX / 4.0 }, far }
         };
@@ -123,9 +147,12 @@ impl Front {
     /// The finest level: all cells but those beside something nearer, whose colours may be mixed with it.
     fn base(&self, behind: f32) -> Level {
         let cell = |i: usize| {
-            let nearest = self.around(i, MIXED).map(|j| self.disparity_px[j]).fold(f32::MIN, f32::max);
             let [r, g, b] = self.rgb[i];
-            if nearest > self.disparity_px[i] + behind { [0.0; 5] } else { [r, g, b, self.disparity_px[i], 1.0] }
+            if self.nearest_around(i, MIXED) > self.disparity_px[i] + behind {
+                [0.0; 5]
+            } else {
+                [r, g, b, self.disparity_px[i], 1.0]
+            }
         };
         Level { size: self.size, cells: (0..self.disparity_px.len()).into_par_iter().map(cell).collect() }
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::lift::STEP_PX;
 use super::picture::Signed;
-use crate::background::{self, Front, Hidden, SHARE};
+use crate::background::{self, Beside, Front, Hidden, SHARE};
 use crate::field::{RayDepths, ViewOffset, ramp};
 
 /// A surface is behind another when it is farther by this much, px per view step.
@@ -16,23 +16,12 @@ const APART_PX: f32 = 0.08;
 /// The photo's surface hides a ray's end when it is nearer by the second of these, and does not by the first.
 const HIDDEN_PX: [f32; 2] = [0.5 * STEP_PX, 1.5 * STEP_PX];
 
-/// A photo's pixel beside a nearer one has some of its colour. It is seen for what it is once a view brings this many
-/// pixels between the two: from the first on, wholly at the second.
-const BARE_PX: [f32; 2] = [1.0, 2.0];
-
 /// What the photo sees, and what goes on behind it.
 pub(super) struct FarSide {
     size: [usize; 2],
-    nearest: Vec<Near>,
+    /// Each place's own surface, and what is nearer beside it.
+    front: Vec<(f32, Option<Beside>)>,
     behind: Vec<Hidden>,
-}
-
-/// A place's own surface, and the nearest one of its neighbours.
-struct Near {
-    own_px: f32,
-    beside_px: f32,
-    /// Where that neighbour lies from the place.
-    at: [i8; 2],
 }
 
 impl FarSide {
@@ -41,8 +30,9 @@ impl FarSide {
         let rgb = photo.pixels.iter().map(|p| p.truncate().to_array()).collect();
         let front = Front { size: photo.size, rgb, disparity_px: depths.reference().to_vec() };
         let behind = background::behind(&front, APART_PX, |_, _| [0.0; 5]);
-        let nearest = (0..behind.len()).into_par_iter().map(|i| near(&front, i)).collect();
-        Self { size: photo.size, nearest, behind }
+        let map = &front.disparity_px;
+        let of = |i: usize| (map[i], Beside::of(map, photo.size, i, APART_PX));
+        Self { size: photo.size, front: (0..behind.len()).into_par_iter().map(of).collect(), behind }
     }
 
     /// The colour of a pixel of a view whose ray has disparity `d`: `own` where the photo sees its end.
@@ -50,16 +40,15 @@ impl FarSide {
     pub(super) fn colour(&self, own: Vec4, [x, y]: [usize; 2], from: ViewOffset, d: f32) -> Vec4 {
         let [x, y] = [x as f32 + from.du * d, y as f32 + from.dv * d];
         let inside = |at: f32, side: usize| (at.round().max(0.0) as usize).min(side - 1);
-        let near = &self.nearest[inside(y, self.size[1]) * self.size[0] + inside(x, self.size[0])];
-        let apart = near.beside_px - d;
-        if apart <= HIDDEN_PX[0] {
+        let (front_px, beside) = self.front[inside(y, self.size[1]) * self.size[0] + inside(x, self.size[0])];
+        let hides = |surface_px: f32| ramp(HIDDEN_PX[0], HIDDEN_PX[1], surface_px - d);
+        let bare = |beside: Beside| hides(beside.disparity_px) * beside.bare(d, [from.du, from.dv]);
+        let unseen = hides(front_px).max(beside.map_or(0.0, bare));
+        if unseen <= 0.0 {
             return own;
         }
-        let hides = |apart: f32| ramp(HIDDEN_PX[0], HIDDEN_PX[1], apart);
-        let between = background::between(near.at.map(f32::from), [from.du, from.dv], apart);
-        let bare = hides(apart) * ramp(BARE_PX[0], BARE_PX[1], between);
         let [r, g, b, share] = self.tap(x, y).to_array();
-        let known = hides(near.own_px - d).max(bare) * share.min(1.0);
+        let known = unseen * share.min(1.0);
         own + (Vec4::new(r, g, b, 0.0) / share.max(1e-6) - own) * known
     }
 
@@ -71,19 +60,6 @@ impl FarSide {
         };
         crate::field::bilinear(self.size, x, y, at)
     }
-}
-
-fn near(front: &Front, i: usize) -> Near {
-    let own_px = front.disparity_px[i];
-    let start = Near { own_px, beside_px: own_px, at: [0; 2] };
-    let place = |i: usize| [i % front.size[0], i / front.size[0]].map(|at| at as isize);
-    front.around(i, 1).fold(start, |nearest, j| match front.disparity_px[j] > nearest.beside_px {
-        true => {
-            let ([x, y], [to_x, to_y]) = (place(i), place(j));
-            Near { beside_px: front.disparity_px[j], at: [(to_x - x) as i8, (to_y - y) as i8], ..nearest }
-        }
-        false => nearest,
-    })
 }
 
 #[cfg(test)]

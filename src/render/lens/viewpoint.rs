@@ -9,9 +9,10 @@ use rayon::prelude::*;
 
 use super::behind::Behind;
 use super::light::{Light, Space};
+use super::sample::mix;
 use super::surfaces::Surfaces;
 use super::{LensError, Scene};
-use crate::background::{MIXED, between};
+use crate::background::Beside;
 use crate::field::{DisparityMap, Photo, PhotoPixels, Transfer, ViewPoint, color::srgb8_from_linear};
 use crate::job::{Job, Stage};
 
@@ -111,7 +112,7 @@ impl Front {
                 continue;
             }
             let ray = self.halved([before, ray], place);
-            return (self.bare(place(ray), ray, shift).unwrap_or_else(|| self.color_at(place(ray))), ray);
+            return (self.bared(self.color_at(place(ray)), place(ray), ray, shift), ray);
         }
         let last = place(far);
         (self.color_at(last), far)
@@ -138,16 +139,17 @@ impl Front {
         (hidden.share > 0.5 && hidden.disparity_px + step >= ray).then_some((hidden.rgb, hidden.disparity_px))
     }
 
-    /// The far side's colour where a pixel beside something nearer, which has some of its colour, is seen apart from it.
-    fn bare(&self, at: [f32; 2], ray: f32, shift: [f32; 2]) -> Option<[f32; 3]> {
+    /// The colour of a place that has some of a nearer one's beside it, as the far side's where it is seen apart from it.
+    fn bared(&self, own: [f32; 3], at: [f32; 2], ray: f32, shift: [f32; 2]) -> [f32; 3] {
         let [x, y] = self.nearest(at);
         let reader = self.behind.reader(x as i32, 1, self.size);
-        let hidden = reader.hidden(reader.at_row(y as i32), 0).filter(|hidden| hidden.share > 0.5)?;
-        let reach = MIXED as i32;
-        let around = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| [dx as f32, dy as f32]));
-        let beside = around.map(|[dx, dy]| (self.depth_at([x as f32 + dx, y as f32 + dy]) - ray, [dx, dy]));
-        let (apart, offset) = beside.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (apart > PAST_PX && between(offset, shift, apart) > MIXED as f32 + 1.0).then_some(hidden.rgb)
+        let Some(hidden) = reader.hidden(reader.at_row(y as i32), 0).filter(|hidden| hidden.share > 0.5) else {
+            return own;
+        };
+        let size = self.size.map(|side| side as usize);
+        let beside = Beside::of(&self.depth, size, y * size[0] + x, PAST_PX);
+        let bare = beside.map_or(0.0, |beside| beside.bare(ray, shift));
+        std::array::from_fn(|c| mix(own[c], hidden.rgb[c], bare))
     }
 
     fn nearest(&self, at: [f32; 2]) -> [usize; 2] {
@@ -164,9 +166,9 @@ impl Front {
         let (x0, y0) = (x as usize, y as usize);
         let [x1, y1] = [(x0 + 1).min(self.size[0] as usize - 1), (y0 + 1).min(self.size[1] as usize - 1)];
         let (tx, ty) = (x - x.floor(), y - y.floor());
-        let mix = |a: [f32; 3], b: [f32; 3], t: f32| std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t);
-        let upper = mix(self.light.at(x0, y0), self.light.at(x1, y0), tx);
-        mix(upper, mix(self.light.at(x0, y1), self.light.at(x1, y1), tx), ty)
+        let between = |a: [f32; 3], b: [f32; 3], t: f32| std::array::from_fn(|c| mix(a[c], b[c], t));
+        let upper = between(self.light.at(x0, y0), self.light.at(x1, y0), tx);
+        between(upper, between(self.light.at(x0, y1), self.light.at(x1, y1), tx), ty)
     }
 
     /// The scene of what was seen.
