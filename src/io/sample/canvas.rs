@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::shapes::Shape;
+use crate::field::ramp;
 
 /// Some rows of the picture: linear light and disparity.
 pub struct Band {
@@ -60,8 +61,7 @@ pub fn hash(a: u32, b: u32) -> f32 {
 /// Smooth noise from −1 to 1 with features about one unit wide.
 pub fn noise(x: f32, y: f32, seed: u32) -> f32 {
     let (cell_x, cell_y) = (x.floor(), y.floor());
-    let ease = |t: f32| t * t * (3.0 - 2.0 * t);
-    let (tx, ty) = (ease(x - cell_x), ease(y - cell_y));
+    let (tx, ty) = (ramp(0.0, 1.0, x - cell_x), ramp(0.0, 1.0, y - cell_y));
     let corner =
         |dx: i32, dy: i32| hash((cell_x as i32 + dx) as u32 ^ seed.rotate_left(16), (cell_y as i32 + dy) as u32);
     let top = corner(0, 0) * (1.0 - tx) + corner(1, 0) * tx;

@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::canvas::noise;
+use crate::field::ramp;
 
 /// What a shape puts on a pixel.
 pub struct Paint {
@@ -27,8 +28,7 @@ const TO_LIGHT: Vec2 = Vec2::new(-0.666, -0.746);
 
 /// How much of a pixel an edge covers that lies `inside_px` beyond it and is `soft_px` wide.
 fn cover(inside_px: f32, soft_px: f32) -> f32 {
-    let t = (inside_px / soft_px.max(1.0) + 0.5).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+    ramp(-0.5, 0.5, inside_px / soft_px.max(1.0))
 }
 
 /// Hedge and light far behind, and the lawn that comes from there to our feet.

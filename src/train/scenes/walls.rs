@@ -1,6 +1,8 @@
 //! Procedural backdrops that stand upright: fences of boards, brick walls, hedges. The background of a photo may be a
 //! ground or a wall; of these it is known that their lower part is no nearer than their upper one.
 
+use plenoscope::field::ramp;
+
 use super::raster::Raster;
 use crate::rng::Rng;
 
@@ -37,8 +39,7 @@ fn hash(seed: u64, cell: [i32; 2]) -> f32 {
 /// Smooth noise 0 … 1, one value a unit.
 fn noise(seed: u64, x: f32, y: f32) -> f32 {
     let (x0, y0) = (x.floor(), y.floor());
-    let ease = |f: f32| f * f * (3.0 - 2.0 * f);
-    let (fx, fy) = (ease(x - x0), ease(y - y0));
+    let (fx, fy) = (ramp(0.0, 1.0, x - x0), ramp(0.0, 1.0, y - y0));
     let at = |dx: i32, dy: i32| hash(seed, [x0 as i32 + dx, y0 as i32 + dy]);
     let row = |dy: i32| at(0, dy) * (1.0 - fx) + at(1, dy) * fx;
     row(0) * (1.0 - fy) + row(1) * fy
