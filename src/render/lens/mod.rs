@@ -2,6 +2,7 @@
 //!
 //! * [`surfaces`](self): where one surface ends before another, at photo size.
 //! * `behind`: what goes on behind near edges.
+//! * `pixel`: both together, for each pixel.
 //! * [`kernel`]: the shape of a blurred point.
 //! * `rays`: light on its way, by pixels, or by blocks where it is spread widely.
 //! * `spread`: one slice of it over a tile, put behind what is nearer.
@@ -17,6 +18,7 @@ mod grain;
 pub mod kernel;
 mod light;
 mod peaking;
+mod pixel;
 mod rays;
 mod reveal;
 mod sample;

@@ -19,8 +19,14 @@ const REACH: i32 = 3;
 const NO_EDGE: f32 = 0.012;
 const FULL_EDGE: f32 = 0.035;
 
+/// Part of a pixel beside the near side that must have the near side's colour before it counts as covered by it.
+const FRINGE: [f32; 2] = [0.05, 0.2];
+/// A mixture of both sides' colours lies between them; how far from there, relative and squared, it stops to be one.
+const STRAY: [f32; 2] = [0.1, 0.4];
+
 /// Numbers of one cell, in the map's disparities.
-const DISPARITY: usize = 0;
+/// How sure it is that a colour which is not the far side's is the near side's, 0 … 1.
+const FOREIGN: usize = 0;
 const NEAR: usize = 1;
 const FAR: usize = 2;
 const EDGE: usize = 3;
@@ -53,6 +59,17 @@ pub(super) struct Seen {
     pub(super) cover: f32,
     /// Whether there are two sides, 0 … 1.
     pub(super) edge: f32,
+    /// Mean colour of the far side (linear light), and how well it is told from the near side's.
+    pub(super) far_rgb: [f32; 3],
+    pub(super) foreign: f32,
+}
+
+impl Seen {
+    /// One surface alone.
+    fn whole(disparity_px: f32) -> Self {
+        let [near_px, far_px] = [disparity_px; 2];
+        Self { near_px, far_px, cover: 1.0, edge: 0.0, far_rgb: [0.0; 3], foreign: 0.0 }
+    }
 }
 
 impl Surfaces {
@@ -62,11 +79,13 @@ impl Surfaces {
         let ratio = size[0] as f32 / map.size[0] as f32;
         let small = light.reduced([size[0].min(light.size()[0]), size[1].min(light.size()[1])]);
         let colors = Colors { light: &small, size };
+        let soft = soft(&grid, size);
+        let maps = [&grid[..], &soft];
         let width = size[0] as usize;
         let mut cells = vec![[0.0; LEN]; grid.len()];
         cells.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             for (x, cell) in row.iter_mut().enumerate() {
-                *cell = model(&grid, size, [x as i32, y as i32], ratio, &colors);
+                *cell = model(maps, size, [x as i32, y as i32], ratio, &colors);
             }
         });
         let busy = busy(&cells, size);
@@ -128,7 +147,7 @@ impl Reader<'_> {
         let disparity = self.disparity(row, i);
         let grid_x = self.grid_x.get(i);
         if !s.busy[row.grid_y.0 * s.size[0] as usize + grid_x.0] {
-            return Seen { near_px: disparity, far_px: disparity, cover: 1.0, edge: 0.0 };
+            return Seen::whole(disparity);
         }
         let cell = bilinear(&s.cells, s.size[0] as usize, grid_x, row.grid_y);
         self.at_edge(disparity, &cell, color)
@@ -138,7 +157,7 @@ impl Reader<'_> {
         let (near, far, edge) = (cell[NEAR], cell[FAR], cell[EDGE]);
         let apart = near - far;
         if edge <= 0.0 || apart <= 1e-6 {
-            return Seen { near_px: disparity, far_px: disparity, cover: 1.0, edge: 0.0 };
+            return Seen::whole(disparity);
         }
         let by_map = (disparity - far) / apart;
         let soft = (cell[SOFT] - far) / apart;
@@ -149,11 +168,30 @@ impl Reader<'_> {
         let by_color = 0.5 + 1.6 * (at.clamp(-0.5, 1.5) - 0.5);
         let unsure = ramp(0.02, 0.2, soft.min(1.0 - soft));
         let cover = mix(steep.clamp(0.0, 1.0), by_color.clamp(0.0, 1.0), unsure * cell[TELLING]).clamp(0.0, 1.0);
+        // Maps end where most of a pixel does. The fringe beyond, hair and what the lens made soft, has near light too.
+        let foreign = edge * cell[FOREIGN];
+        let (far_rgb, part) = near_part(cell, color);
+        let cover = cover.max(foreign * ramp(FRINGE[0], FRINGE[1], part) * part.min(1.0));
         // Well on one side the map's own value stands; between the sides it would be an invented depth.
         let near = mix(near, disparity, ramp(0.88, 0.99, by_map));
         let far = mix(disparity, far, ramp(0.01, 0.12, by_map));
-        Seen { near_px: mix(disparity, near, edge), far_px: mix(disparity, far, edge), cover, edge }
+        Seen { near_px: mix(disparity, near, edge), far_px: mix(disparity, far, edge), cover, edge, far_rgb, foreign }
     }
+}
+
+/// Colour of a cell's far side, and the part of the near side's in a colour; linear light, in which colours mix. A
+/// colour that is no mixture of the two belongs to the far side.
+fn near_part(cell: &[f32; LEN], color: &[f32; 3]) -> ([f32; 3], f32) {
+    let (far, axis) = (&cell[FAR_COLOR..FAR_COLOR + 3], &cell[AXIS..AXIS + 3]);
+    let scale = axis.iter().map(|a| a * a).sum::<f32>().max(1e-6);
+    let far_rgb: [f32; 3] = std::array::from_fn(|c| far[c] * far[c]);
+    let apart: [f32; 3] = std::array::from_fn(|c| (far[c] + axis[c] / scale).max(0.0).powi(2) - far_rgb[c]);
+    let away: [f32; 3] = std::array::from_fn(|c| color[c] - far_rgb[c]);
+    let dot = |a: &[f32; 3], b: &[f32; 3]| (0..3).map(|c| a[c] * b[c]).sum::<f32>();
+    let part = dot(&away, &apart) / dot(&apart, &apart).max(1e-9);
+    let along2 = (part * part * dot(&apart, &apart)).max(1e-9);
+    let beside = (dot(&away, &away) - along2).max(0.0) / along2;
+    (far_rgb, part * (1.0 - ramp(STRAY[0], STRAY[1], beside)))
 }
 
 /// The map at another size, its values as they are: means would invent depths at edges.
@@ -183,20 +221,30 @@ impl Colors<'_> {
     }
 }
 
+/// Means of 3×3 cells.
+fn soft(grid: &[f32], size: [u32; 2]) -> Vec<f32> {
+    let [width, height] = size.map(|s| s as usize);
+    let mean = |i: usize| {
+        let beside = |at: usize, side: usize| [at.saturating_sub(1), at, (at + 1).min(side - 1)];
+        let rows = beside(i / width, height);
+        rows.iter().flat_map(|y| beside(i % width, width).map(|x| grid[y * width + x])).sum::<f32>() / 9.0
+    };
+    (0..grid.len()).into_par_iter().with_min_len(width).map(mean).collect()
+}
+
 /// The model of one cell from the window around it.
-fn model(grid: &[f32], size: [u32; 2], [x, y]: [i32; 2], ratio: f32, colors: &Colors) -> [f32; LEN] {
+fn model([grid, soft]: [&[f32]; 2], size: [u32; 2], [x, y]: [i32; 2], ratio: f32, colors: &Colors) -> [f32; LEN] {
     let [width, height] = size.map(|s| s as i32);
     let at = |dx: i32, dy: i32| ((y + dy).clamp(0, height - 1) * width + (x + dx).clamp(0, width - 1)) as usize;
     let disparity = grid[at(0, 0)];
     let mut cell = [0.0; LEN];
-    [cell[DISPARITY], cell[NEAR], cell[FAR]] = [disparity; 3];
+    [cell[NEAR], cell[FAR]] = [disparity; 2];
     let window = || (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
     let [low, high] = window().fold([f32::MAX, f32::MIN], |[low, high], (dx, dy)| {
         let d = grid[at(dx, dy)];
         [low.min(d), high.max(d)]
     });
-    let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-    cell[SOFT] = around.map(|(dx, dy)| grid[at(dx, dy)]).sum::<f32>() / 9.0;
+    cell[SOFT] = soft[at(0, 0)];
     if (high - low) * ratio <= NO_EDGE {
         return cell;
     }
@@ -207,16 +255,17 @@ fn model(grid: &[f32], size: [u32; 2], [x, y]: [i32; 2], ratio: f32, colors: &Co
     let mut sides = [Side::default(); 2];
     for (dx, dy) in window() {
         let i = at(dx, dy);
-        let height = (grid[i] - low) / (high - low);
+        let [height, inside] = [grid[i], soft[i]].map(|d| (d - low) / (high - low));
         let color = colors.at(i % width as usize, i / width as usize);
-        sides[0].add(grid[i], height, color);
-        sides[1].add(grid[i], 1.0 - height, color);
+        sides[0].add(grid[i], [height, inside], color);
+        sides[1].add(grid[i], [1.0 - height, 1.0 - inside], color);
     }
     cell[NEAR] = sides[0].disparity();
     cell[FAR] = sides[1].disparity();
     let (near, far) = (sides[0].color(), sides[1].color());
     let apart: [f32; 3] = std::array::from_fn(|c| near[c] - far[c]);
     let apart2: f32 = apart.iter().map(|a| a * a).sum();
+    cell[FOREIGN] = apart2 / (apart2 + 20.0 * sides[1].spread() + 0.003);
     cell[TELLING] = apart2 / (apart2 + 6.0 * (sides[0].spread() + sides[1].spread()) + 0.003);
     for c in 0..3 {
         cell[FAR_COLOR + c] = far[c];
@@ -251,12 +300,13 @@ struct Side {
 }
 
 impl Side {
-    /// `height` is 1 at the window's value that is farthest on this side, 0 at the other side's.
-    fn add(&mut self, disparity: f32, height: f32, color: [f32; 3]) {
+    /// `height` is 1 at the window's value that is farthest on this side, 0 at the other side's; `inside` the same of
+    /// the mean around the cell. Cells beside the edge hardly count for colour, as theirs is of both sides.
+    fn add(&mut self, disparity: f32, [height, inside]: [f32; 2], color: [f32; 3]) {
         let weight = height.powi(4);
         self.disparity[0] += disparity * weight;
         self.disparity[1] += weight;
-        let weight = ramp(0.6, 0.9, height);
+        let weight = ramp(0.6, 0.9, height) * (0.02 + ramp(0.6, 0.9, inside));
         self.weight += weight;
         for (c, value) in color.into_iter().enumerate() {
             self.color[c] += value * weight;

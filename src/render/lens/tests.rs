@@ -145,6 +145,26 @@ fn r3_a_sharp_near_object_sheds_no_colour_and_no_shade_on_the_far_plane() {
 }
 
 #[test]
+fn a_soft_near_edge_leaves_no_outline_on_a_sharp_far_plane() {
+    // The near side covers less and less of the pixels up to 2.5 beyond the map's edge, as hair and out-of-focus edges do.
+    let size = [160, 48];
+    let cover = |x: f32| ((EDGE + 2.5 - x) / 5.0).clamp(0.0, 1.0);
+    let far = |x: f32, y: f32| 0.5 + 0.02 * (hash(x as i32, y as i32, 3) - 0.5);
+    let photo = photo(size, |x, y| [cover(x) * 0.03 + (1.0 - cover(x)) * far(x, y); 3]);
+    let c = 16.0;
+    let out = take(&photo, halves(size, c / PAPER, 0.0), &focused(0.0));
+    // A disc's chord at each distance from its middle.
+    let chord = |d: f32| (c * c / 4.0 - d * d).max(0.0).sqrt();
+    let whole: f32 = (-8..=8).map(|d| chord(d as f32)).sum();
+    for x in 40..110 {
+        let blurred: f32 = (-8..=8).map(|d| chord(d as f32) * cover((x + d) as f32)).sum::<f32>() / whole;
+        let want = srgb_from_linear(blurred * 0.03 + (1.0 - blurred) * 0.5);
+        let got = srgb_from_linear(at(&out, x as usize, 24)[1]);
+        assert!((got - want).abs() < 0.06, "at {x}: {got}, not {want}");
+    }
+}
+
+#[test]
 fn behind_an_uneven_near_side_is_the_far_side() {
     // A red rim before red that is deeper by more than what counts as behind, then green.
     let size = [160, 60];

@@ -66,25 +66,23 @@ fn gather(picture: &Prepared, optics: &Optics, region: Region) -> Slices {
     let count = ((to[0] - from[0]) as usize).next_multiple_of(BLOCK);
     let [at, size] = [region.at, region.size].map(|pair| pair.map(|v| v as i32));
     let mut slices = Slices::new(at, size, optics.lens.shape);
-    let surfaces = picture.surfaces.reader(from[0], count, picture.size);
-    let behind = picture.behind.reader(from[0], count, picture.size);
+    let reader = picture.reader(from[0], count);
     let mut colors = vec![[0.0; 3]; count * BLOCK];
     let mut before = [Piece::default(); BLOCK * BLOCK];
     let mut after = [Piece::default(); BLOCK * BLOCK];
     for top in (from[1]..to[1]).step_by(BLOCK) {
         let rows: [_; BLOCK] = std::array::from_fn(|y| {
             picture.light.row(from[0], top + y as i32, &mut colors[y * count..][..count]);
-            (surfaces.at_row(top + y as i32), behind.at_row(top + y as i32))
+            reader.at_row(top + y as i32)
         });
         for left in (0..count).step_by(BLOCK) {
             let at = [from[0] + left as i32, top];
             let mut any_behind = false;
-            for (y, (row, behind_row)) in rows.iter().enumerate() {
+            for (y, row) in rows.iter().enumerate() {
                 for x in 0..BLOCK {
                     let i = left + x;
                     let color = colors[y * count + i];
-                    let seen = surfaces.seen(row, i, &color);
-                    let hidden = if seen.cover > 0.01 { behind.hidden(*behind_row, i) } else { None };
+                    let (seen, hidden) = reader.at(row, i, &color);
                     let place = [at[0] + x as i32, at[1] + y as i32];
                     let [first, second] = pieces(optics, place, color, seen, hidden);
                     any_behind |= !second.is_empty();

@@ -327,16 +327,14 @@ struct Gathered {
 fn gathered(prepared: &Prepared, region: Region, margin: u32) -> Vec<Gathered> {
     let [x0, y0] = region.at.map(|at| at as i32 - margin as i32);
     let [width, height] = region.size.map(|side| (side + 2 * margin) as usize);
-    let surfaces = prepared.surfaces.reader(x0, width, prepared.size);
-    let behind = prepared.behind.reader(x0, width, prepared.size);
+    let reader = prepared.reader(x0, width);
     let row = |y: usize| {
         let y = y0 + y as i32;
         let mut colors = vec![[0.0; 3]; width];
         prepared.light.row(x0, y, &mut colors);
-        let (row, behind_row) = (surfaces.at_row(y), behind.at_row(y));
+        let row = reader.at_row(y);
         let pixel = |(i, [r, g, b]): (usize, [f32; 3])| {
-            let seen = surfaces.seen(&row, i, &[r, g, b]);
-            let hidden = if seen.cover > 0.01 { behind.hidden(behind_row, i) } else { None };
+            let (seen, hidden) = reader.at(&row, i, &[r, g, b]);
             let [hr, hg, hb] = hidden.map_or([0.0; 3], |h| h.rgb);
             Gathered {
                 color: [r, g, b, seen.near_px],
