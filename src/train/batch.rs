@@ -8,6 +8,7 @@ use std::thread::{Builder, JoinHandle};
 
 use crate::TrainError;
 use crate::loss::Maps;
+use crate::rng::Rng;
 
 /// Samples of one size and one set of views.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +45,24 @@ impl Batch {
             }
         }
         input
+    }
+}
+
+/// Blanks a few patches of a part of the photos in a net's input `[n, channels, h, w]`: what a patch shows must then be
+/// told from what is around it, and no photo is known by a single spot.
+pub fn blank_patches(input: &mut [f32], channels: usize, [w, h]: [usize; 2], part: f32, rng: &mut Rng) {
+    for photo in input.chunks_mut(channels * w * h) {
+        if !rng.chance(part) {
+            continue;
+        }
+        for _ in 0..=rng.below(3) {
+            let [pw, ph] = [w, h].map(|side| (side as f32 * rng.range(0.1, 0.35)) as usize);
+            let (left, top) = (rng.below(w - pw), rng.below(h - ph));
+            for channel in photo.chunks_mut(w * h).take(3) {
+                let value = rng.range(-1.0, 1.0);
+                channel.chunks_mut(w).skip(top).take(ph).for_each(|row| row[left..left + pw].fill(value));
+            }
+        }
     }
 }
 
@@ -119,7 +138,6 @@ impl Drop for Loader {
 pub(crate) mod tests {
     use super::*;
     use crate::nets::REFERENCE;
-    use crate::rng::Rng;
 
     /// Small random batches with true depths that follow the picture's brightness.
     pub(crate) fn toy(samples: usize, size: (usize, usize)) -> Draw {
@@ -160,5 +178,22 @@ pub(crate) mod tests {
         let input = toy(1, (4, 2))(0).unwrap().net_input(true);
         assert_eq!(input[24..32], [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
         assert_eq!((input[32], input[35], input[36]), (-1.0, 1.0, -1.0));
+    }
+
+    #[test]
+    fn blank_patches_leave_coordinates_and_most_of_the_photo() {
+        let input: Vec<f32> = (0..4 * 5 * 400).map(|i| i as f32).collect();
+        let mut blanked = input.clone();
+        blank_patches(&mut blanked, 5, [20, 20], 1.0, &mut Rng::new(3, 0));
+        for (before, after) in input.chunks(400).zip(blanked.chunks(400)).skip(3).step_by(5) {
+            assert_eq!(before, after);
+        }
+        for (before, after) in input.chunks(5 * 400).zip(blanked.chunks(5 * 400)) {
+            let changed = before.iter().zip(after).filter(|(a, b)| a != b).count();
+            assert!((12..3 * 160).contains(&changed), "{changed}");
+        }
+        let mut none = input.clone();
+        blank_patches(&mut none, 5, [20, 20], 0.0, &mut Rng::new(3, 0));
+        assert_eq!(none, input);
     }
 }

@@ -147,6 +147,14 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub drop: f32,
+    /// How far samples vary in framing, shape and colours; 1 = as much as photos do among themselves
+    #[arg(long, default_value_t = 1.0)]
+    #[serde(default = "one")]
+    pub variety: f32,
+    /// Part of the photos of which the depth net is shown all but a few blank patches
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub blank: f32,
     /// Threads of the trainer
     #[arg(long, default_value_t = 2)]
     pub threads: usize,
@@ -214,7 +222,7 @@ impl Config {
                 crop: vec![(96, 96)],
                 views: 64,
                 batch: 1,
-                long_side: 288,
+                long_side: 384,
                 // Scenes whose ray depths are known everywhere, and what is hidden with them.
                 mix: "lifted=0.6,collage=0.4".into(),
                 steps: 4000,

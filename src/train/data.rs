@@ -23,6 +23,9 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         // What is hidden is learned from what the views differ by; noise of their own would be most of it.
         noise: config.stage != Stage::Occlusion,
         augment: true,
+        variety: config.variety,
+        // Depth nets must learn one scale. The occlusion net meets ray depths of any, from nets, phones and files.
+        stretch: if config.stage == Stage::Occlusion { [0.2, 1.25] } else { [1.0; 2] },
         ..scenes::Config::default()
     })
 }

@@ -6,7 +6,7 @@ use burn::tensor::Tensor;
 use rayon::prelude::*;
 
 use crate::TrainError;
-use crate::batch::Batch;
+use crate::batch::{Batch, blank_patches};
 use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
 use crate::loss::{self, Along, Maps};
@@ -32,8 +32,9 @@ pub struct Report {
 /// Long side at which the losses' weights are meant; ray depths in px shrink with the picture.
 const UNIT_SIDE_PX: f32 = 288.0;
 
-/// Tells the chance of left-out channels from that of the data.
+/// Tell the chance of left-out channels and of blank patches from that of the data.
 const DROPPING: u64 = 0x6472_6f70;
+const BLANKING: u64 = 0x626c_616e;
 
 /// All losses of a batch of predicted ray depths, and their weighed gradient.
 pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
@@ -129,7 +130,11 @@ pub fn depth_step(
 ) -> Result<Report, TrainError> {
     let by_chance = Rng::new(config.seed ^ DROPPING, net.progress.step);
     let mut tape = Tape::new(&net.weights, Mode::Train, path(config)).dropping(config.drop, by_chance);
-    let y = predict(&mut tape, graph, batch)?;
+    let (maps, channels) = (&batch.maps, graph.input_channels());
+    let mut input = batch.net_input(graph.arch.has_coordinates());
+    let mut by_chance = Rng::new(config.seed ^ BLANKING, net.progress.step);
+    blank_patches(&mut input, channels, [maps.width, maps.height], config.blank, &mut by_chance);
+    let y = forward(&mut tape, graph, batch, input)?;
     let depth = values(y.clone());
     let (parts, gradient) = depth_losses(batch, &depth, &config.losses);
     let gradients = with_gradient(&tape, y, gradient).backward();
@@ -158,10 +163,13 @@ fn share_rows(weights: &Weights, gradients: &mut [(usize, Vec<f32>)], views: &[u
 
 /// The depth net on a batch's reference views: `[n, views of the batch, h, w]`.
 fn predict(tape: &mut Tape<'_>, graph: &Graph, batch: &Batch) -> Result<Tensor<4>, TrainError> {
+    forward(tape, graph, batch, batch.net_input(graph.arch.has_coordinates()))
+}
+
+fn forward(tape: &mut Tape<'_>, graph: &Graph, batch: &Batch, input: Vec<f32>) -> Result<Tensor<4>, TrainError> {
     let maps = &batch.maps;
     graph.check_size(maps.width, maps.height)?;
-    let shape = [maps.samples, graph.input_channels(), maps.height, maps.width];
-    let x = tape.input(batch.net_input(graph.arch.has_coordinates()), shape);
+    let x = tape.input(input, [maps.samples, graph.input_channels(), maps.height, maps.width]);
     tape.run2(graph, x, Some(&maps.views))
 }
 

@@ -22,11 +22,11 @@ struct Sprite {
 impl Source {
     /// A background and one to five things before it.
     pub(super) fn collage(&self, rng: &mut Rng, crop: [usize; 2], views: Vec<usize>) -> Sample {
-        let canvas = Canvas::new(crop, self.config.range_px());
+        let canvas = self.canvas(rng, crop);
         let full = canvas.full();
         let back = self.masked_picture(rng, crop);
-        let place = Place::random(rng, back.rgb.size, &canvas, self.config.long_side);
-        let tone = Tone::random(rng);
+        let place = Place::random(rng, back.rgb.size, &canvas, &self.config);
+        let tone = Tone::random(rng, self.config.variety);
         let mut nearness: Vec<f32> = (0..1 + rng.below(5)).map(|_| rng.range(0.3, 1.15)).collect();
         nearness.sort_by(f32::total_cmp);
         let mut layers = vec![self.backdrop(rng, back, &place, &canvas, nearness[0])];
@@ -56,7 +56,7 @@ impl Source {
         let apart = rng.range(0.05, 0.35) * canvas.range_px;
         let Some(under) = nearest_under(scene, &sprite.alpha) else { return };
         let near = (under + apart).min(canvas.disparity(1.15));
-        let rgba = premultiplied(&Tone::random(rng).apply(&sprite.rgb), &sprite.alpha);
+        let rgba = premultiplied(&Tone::random(rng, self.config.variety).apply(&sprite.rgb), &sprite.alpha);
         let disparity = sprite.dome.map(|dome| near + 0.1 * canvas.range_px * dome / 255.0);
         scene.layers.push(Layer { bounds: covered(&rgba), rgba, disparity, rough: false });
     }
@@ -89,7 +89,7 @@ impl Source {
         let Some(sprite) = sprite(rng, picture, canvas, z) else {
             return (blades(rng, full, &back.rgb), none());
         };
-        let tone = Tone::random(rng);
+        let tone = Tone::random(rng, self.config.variety);
         (premultiplied(&tone.apply(&sprite.rgb), &sprite.alpha), sprite.dome.px.iter().map(|d| d / 255.0).collect())
     }
 }

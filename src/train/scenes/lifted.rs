@@ -100,10 +100,10 @@ impl Source {
         let Some(cutout) = picture.cutout().filter(|_| self.config.augment) else {
             return plain(picture, crop, views, self.config.range_px());
         };
-        let canvas = Canvas::new(crop, self.config.range_px());
+        let canvas = self.canvas(rng, crop);
         let place = self.place(rng, picture.rgb.size, &canvas);
         let full = canvas.full();
-        let tone = Tone::random(rng);
+        let tone = Tone::random(rng, self.config.variety);
         let wall = rng.chance(WALLS);
         let depths = match &cutout.nearness {
             _ if wall => {
@@ -134,10 +134,10 @@ impl Source {
 
     /// A nearness map lifted; where there is a mask too, the subject is a layer of its own.
     pub(super) fn pseudo(&self, rng: &mut Rng, crop: [usize; 2], views: Vec<usize>, picture: &Picture) -> Sample {
-        let canvas = Canvas::new(crop, self.config.range_px());
+        let canvas = self.canvas(rng, crop);
         let place = self.place(rng, picture.rgb.size, &canvas);
         let full = canvas.full();
-        let tone = if self.config.augment { Tone::random(rng) } else { Tone::plain() };
+        let tone = if self.config.augment { Tone::random(rng, self.config.variety) } else { Tone::plain() };
         let cutout = picture.cutout();
         let mut scene = match cutout.and_then(|cutout| cutout.nearness.as_ref().map(|maps| (cutout, maps))) {
             Some((cutout, [front, back])) => {

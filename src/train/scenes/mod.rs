@@ -90,6 +90,11 @@ pub struct Config {
     pub noise: bool,
     /// Random crops, colours, noise and depths. Without, photos are whole (`crop` does not count) and as they are.
     pub augment: bool,
+    /// How far framing, shape and colours of augmented samples vary; 1 is as much as photos do among themselves.
+    pub variety: f32,
+    /// Factors between which the ray depths of augmented samples are stretched. Where they differ, the focal plane lies
+    /// anywhere from the far side to the near one in half of them: what works on ray depths must take any.
+    pub stretch: [f32; 2],
 }
 
 impl Default for Config {
@@ -106,6 +111,8 @@ impl Default for Config {
             split: Split::Train,
             noise: true,
             augment: true,
+            variety: 1.0,
+            stretch: [1.0; 2],
         }
     }
 }
@@ -123,6 +130,17 @@ impl Config {
         }
         if self.crop.iter().any(|side| !(16..=self.long_side).contains(side)) {
             return wrong("crop", format!("{:?}", self.crop), "two sides from 16 pixels to long_side");
+        }
+        if !(0.0..=4.0).contains(&self.variety) {
+            return wrong("variety", self.variety.to_string(), "0 to 4");
+        }
+        let [least, most] = self.stretch;
+        if !(0.0 < least && least <= most && most <= 8.0) {
+            return wrong(
+                "stretch",
+                format!("{least} to {most}"),
+                "two factors above 0 and up to 8, the smaller one first",
+            );
         }
         if !(1..=64).contains(&self.views_per_sample) {
             return wrong("views_per_sample", self.views_per_sample.to_string(), "1 to 64");
@@ -278,9 +296,19 @@ impl Source {
         self.framed(rng, list, crop)
     }
 
+    fn canvas(&self, rng: &mut Rng, crop: [usize; 2]) -> Canvas {
+        let [least, most] = self.config.stretch;
+        if !self.config.augment || least == most {
+            return Canvas::new(crop, least * self.config.range_px());
+        }
+        let factor = rng.range(least.ln(), most.ln()).exp();
+        let focus = if rng.chance(0.5) { rng.unit() } else { FOCAL_NEARNESS };
+        Canvas { focus, ..Canvas::new(crop, factor * self.config.range_px()) }
+    }
+
     fn place(&self, rng: &mut Rng, picture: [usize; 2], canvas: &Canvas) -> Place {
         if self.config.augment {
-            Place::random(rng, picture, canvas, self.config.long_side)
+            Place::random(rng, picture, canvas, &self.config)
         } else {
             Place::whole(picture, canvas)
         }

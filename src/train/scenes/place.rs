@@ -1,6 +1,7 @@
 //! Where a photo lies on a canvas: crop, zoom, flip, a slight turn, and its colours.
 
 use super::raster::{Raster, Texel};
+use super::{Config, FOCAL_NEARNESS};
 use crate::rng::Rng;
 
 /// The picture to be made, and room around it for views to look into.
@@ -12,12 +13,14 @@ pub struct Canvas {
     pub margin: usize,
     /// Pixels per view step between nearness 0 and 1.
     pub range_px: f32,
+    /// Nearness of the focal plane.
+    pub focus: f32,
 }
 
 impl Canvas {
     /// A canvas whose margin holds the farthest shift, four steps.
     pub fn new(size: [usize; 2], range_px: f32) -> Self {
-        Self { size, margin: (4.0 * range_px).ceil() as usize + 2, range_px }
+        Self { size, margin: (4.0 * range_px).ceil() as usize + 2, range_px, focus: FOCAL_NEARNESS }
     }
 
     /// Width and height with the margin.
@@ -27,7 +30,7 @@ impl Canvas {
 
     /// Disparity of a nearness.
     pub fn disparity(&self, nearness: f32) -> f32 {
-        self.range_px * (nearness - super::FOCAL_NEARNESS)
+        self.range_px * (nearness - self.focus)
     }
 
     /// The picture's part of a canvas-sized raster.
@@ -65,19 +68,23 @@ impl Place {
         }
     }
 
-    /// Nearly the whole picture (nets need to see it), or a part; flipped or not; turned and stretched a little.
-    pub fn random(rng: &mut Rng, picture: [usize; 2], canvas: &Canvas, long_side: usize) -> Self {
+    /// Nearly the whole picture (nets need to see it), or a part; flipped or not; turned and stretched a little. With
+    /// more variety, some parts count as pictures of their own.
+    pub fn random(rng: &mut Rng, picture: [usize; 2], canvas: &Canvas, config: &Config) -> Self {
+        let variety = config.variety;
         let [w, h] = canvas.size.map(|side| side as f32);
         let [pw, ph] = picture.map(|side| side as f32);
-        let zoom = if rng.chance(0.55) { rng.range(1.0, 1.1) } else { rng.range(1.1, 1.6) };
-        let stretch = if rng.chance(0.5) { rng.range(-0.12, 0.12).exp() } else { 1.0 };
-        let scale = zoom * long_side as f32 / pw.max(ph);
+        let part = !rng.chance(0.55);
+        let zoom = if part { rng.range(1.1, 1.1 + 0.5 * variety) } else { rng.range(1.0, 1.1) };
+        let alone = part && rng.chance(0.3 * (variety - 1.0));
+        let stretch = if rng.chance(0.5) { (variety * rng.range(-0.12, 0.12)).exp() } else { 1.0 };
+        let scale = zoom * config.long_side as f32 / pw.max(ph);
         let scale = [(scale * stretch).max(w / pw), (scale / stretch).max(h / ph)];
         let whole = [pw * scale[0], ph * scale[1]];
         let left = rng.unit() * (whole[0] - w).max(0.0);
         let top = rng.unit() * (whole[1] - h).max(0.0);
         let flip = if rng.chance(0.5) { -1.0 } else { 1.0 };
-        let angle = if rng.chance(0.3) { rng.range(-0.1, 0.1) } else { 0.0 };
+        let angle = if rng.chance(0.3) { variety * rng.range(-0.1, 0.1) } else { 0.0 };
         let (sin, cos) = f32::sin_cos(angle);
         let axes = [[flip * cos / scale[0], sin / scale[1]], [-flip * sin / scale[0], cos / scale[1]]];
         // The crop's middle, in source pixels; the flipped picture is mirrored as a whole.
@@ -86,12 +93,13 @@ impl Place {
         let back = [w, h].map(|side| canvas.margin as f32 + (side - 1.0) / 2.0);
         let origin = [0, 1].map(|i| middle[i] - back[0] * axes[0][i] - back[1] * axes[1][i]);
         let along = |at: f32, all: f32| 2.0 * at / (all - 1.0).max(1.0) - 1.0;
-        let yx = [
+        let within = [
             along(top, whole[1]),
             along(top + h - 1.0, whole[1]),
             along(left, whole[0]),
             along(left + w - 1.0, whole[0]),
         ];
+        let yx = if alone { [-1.0, 1.0, -1.0, 1.0] } else { within };
         let step = (yx[1] - yx[0]) / (h - 1.0).max(1.0);
         Self { axes, origin, yx, rows: [yx[0] - step * canvas.margin as f32, step] }
     }
@@ -147,12 +155,13 @@ impl Tone {
         Self::new(1.0, [1.0; 3], 1.0)
     }
 
-    /// Gamma 0.7 … 1.3, channels 0.8 … 1.2, pale to strong colours, sometimes none.
-    pub fn random(rng: &mut Rng) -> Self {
-        let gamma = rng.range(0.7, 1.3);
-        let light = rng.range(0.85, 1.15);
-        let gains = std::array::from_fn(|_| light * rng.range(0.9, 1.1));
-        let saturation = if rng.chance(0.06) { 0.0 } else { rng.range(0.5, 1.4) };
+    /// Gamma and gains of the channels around 1, pale to strong colours, sometimes none.
+    pub fn random(rng: &mut Rng, variety: f32) -> Self {
+        let mut around = |reach: f32| (variety * rng.range(-reach, reach)).exp();
+        let (gamma, light) = (around(0.3), around(0.15));
+        let gains = std::array::from_fn(|_| light * around(0.1));
+        let grey = rng.chance(0.06 * variety);
+        let saturation = if grey { 0.0 } else { (1.0 + variety * rng.range(-0.5, 0.4)).max(0.0) };
         Self::new(gamma, gains, saturation)
     }
 

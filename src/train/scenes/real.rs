@@ -13,7 +13,7 @@ impl Source {
         let left = rng.below(w.saturating_sub(crop[0]) + 1);
         let top = rng.below(h.saturating_sub(crop[1]) + 1);
         let flip = rng.chance(0.5) && views.iter().all(|layer| layer % 8 != 0);
-        let tone = Tone::random(rng);
+        let tone = Tone::random(rng, self.config.variety);
         let mut rgb = Vec::with_capacity(views.len() * 3 * crop[0] * crop[1]);
         let across = |x: usize| (left + if flip { crop[0] - 1 - x } else { x }).min(w - 1);
         for &layer in &views {
