@@ -149,6 +149,35 @@ fn a_light_field_is_made_anew_when_a_manifest_says_otherwise() {
 }
 
 #[test]
+fn the_shipped_occlusion_net_leaves_a_wall_its_colours_whatever_the_ray_depths() {
+    let synthesizer = Synthesizer::load(&ModelSource::Embedded).unwrap();
+    let cancel = Cancel::default();
+    let job = Job { cancel: &cancel, sink: &() };
+    // A plastered wall, and something dark before its right half.
+    let (w, h) = (120, 48);
+    let grain = |i: u32| (i.wrapping_mul(2_654_435_761) >> 29) as u8;
+    let wall = |i: u32| [186 + grain(i), 178 + grain(i), 166 + grain(i), 255];
+    let pixel = |i: u32| if i % w < 72 { wall(i) } else { [60 + grain(i), 50, 45, 255] };
+    let photo = Photo::from_srgb8([w, h], (0..w * h).flat_map(pixel).collect()).unwrap();
+    for [far, near] in [[-0.4, 0.1], [-1.0, 0.1], [-1.9, 0.0], [-0.1, 1.6]] {
+        let map = (0..w * h).map(|i| if i % w < 72 { far } else { near }).collect();
+        let disparity = Some(DisparityMap::new([w, h], map).unwrap().into());
+        let params = SynthParams { disparity, ..SynthParams::default() };
+        let made = synthesizer.synthesize(&photo, &params, &job).unwrap();
+        let mean = |at: ViewIndex, c: usize| {
+            let places = (10..38).flat_map(|y| (12..52).map(move |x| (x, y)));
+            places.map(|(x, y)| f32::from(made.field.view(at).pixel(x, y)[c])).sum::<f32>() / (28.0 * 40.0)
+        };
+        for at in ViewGrid::PAPER.views() {
+            for c in 0..3 {
+                let change = mean(at, c) - mean(ViewGrid::PAPER.reference(), c);
+                assert!(change.abs() < 1.5, "ray depths {far} and {near}, view {at:?}, channel {c}: {change}");
+            }
+        }
+    }
+}
+
+#[test]
 fn odd_and_tiny_photos_become_light_fields_too() {
     let folder = tempfile::tempdir().unwrap();
     let synthesizer = Synthesizer::load(&models(folder.path())).unwrap();
