@@ -147,6 +147,10 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub drop: f32,
+    /// Normalise by the running statistics, as inference does: a net must not learn that its batch tells it what is usual
+    #[arg(long)]
+    #[serde(default)]
+    pub keep_norm: bool,
     /// How far samples vary in framing, shape and colours; 1 = as much as photos do among themselves
     #[arg(long, default_value_t = 1.0)]
     #[serde(default = "one")]
@@ -219,9 +223,10 @@ impl Config {
             Preset::Occlusion => Self {
                 out: "runs/occlusion".into(),
                 stage: Stage::Occlusion,
-                crop: vec![(96, 96)],
+                // Many samples of a step, that no batch has ray depths of its own which normalisation takes away.
+                crop: vec![(40, 40)],
                 views: 64,
-                batch: 1,
+                batch: 6,
                 long_side: 384,
                 // Scenes whose ray depths are known everywhere, and what is hidden with them.
                 mix: "lifted=0.6,collage=0.4".into(),

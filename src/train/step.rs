@@ -105,6 +105,10 @@ fn path(config: &Config) -> Path {
     if config.stock { Path::Stock } else { Path::Own }
 }
 
+fn training<'a>(weights: &'a Weights, config: &Config) -> Tape<'a> {
+    Tape::new(weights, Mode::Train, path(config)).keeping_norm(config.keep_norm)
+}
+
 fn update(
     net: &mut Checkpoint,
     config: &Config,
@@ -129,7 +133,7 @@ pub fn depth_step(
     done: f64,
 ) -> Result<Report, TrainError> {
     let by_chance = Rng::new(config.seed ^ DROPPING, net.progress.step);
-    let mut tape = Tape::new(&net.weights, Mode::Train, path(config)).dropping(config.drop, by_chance);
+    let mut tape = training(&net.weights, config).dropping(config.drop, by_chance);
     let (maps, channels) = (&batch.maps, graph.input_channels());
     let mut input = batch.net_input(graph.arch.has_coordinates());
     let mut by_chance = Rng::new(config.seed ^ BLANKING, net.progress.step);
@@ -224,7 +228,7 @@ pub fn occlusion_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let mut tape = Tape::new(&net.weights, Mode::Train, path(config));
+    let mut tape = training(&net.weights, config);
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, depth);
     let residual = tape.run3(graph, x)?;
@@ -313,12 +317,12 @@ pub fn joint_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let mut depth_tape = Tape::new(&depth_net.weights, Mode::Train, path(config));
+    let mut depth_tape = training(&depth_net.weights, config);
     let y = predict(&mut depth_tape, &graphs[0], batch)?;
     let depth = values(y.clone());
     let (mut parts, mut gradient) = depth_losses(batch, &depth, &config.losses);
 
-    let mut tape = Tape::new(&occlusion_net.weights, Mode::Train, path(config));
+    let mut tape = training(&occlusion_net.weights, config);
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), &depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, &depth).require_grad();
     let residual = tape.run3(&graphs[1], x.clone())?;

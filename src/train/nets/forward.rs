@@ -32,6 +32,7 @@ pub struct Tape<'a> {
     mode: Mode,
     path: Path,
     drop: Option<(f32, Rng)>,
+    keep_norm: bool,
     leaves: Vec<Leaf>,
     statistics: Vec<(String, Tensor<2>)>,
 }
@@ -48,13 +49,18 @@ impl<'a> Tape<'a> {
     pub fn new(weights: &'a Weights, mode: Mode, path: Path) -> Self {
         let device = Device::flex();
         let device = if mode == Mode::Train { device.autodiff() } else { device };
-        Self { weights, device, mode, path, drop: None, leaves: Vec::new(), statistics: Vec::new() }
+        Self { weights, device, mode, path, drop: None, keep_norm: false, leaves: Vec::new(), statistics: Vec::new() }
     }
 
     /// Leaves out `part` of the channels, drawn anew for every sample, at a net's two coarsest levels: it is
     /// there that it learns photos by heart.
     pub fn dropping(self, part: f32, rng: Rng) -> Self {
         Self { drop: (part > 0.0).then_some((part, rng)), ..self }
+    }
+
+    /// Normalises by the running statistics, as inference does, and leaves them as they are.
+    pub fn keeping_norm(self, keep_norm: bool) -> Self {
+        Self { keep_norm, ..self }
     }
 
     /// The device that inputs must be on.
@@ -138,7 +144,7 @@ impl<'a> Tape<'a> {
             }
             End::NormElu => {
                 let (gamma, beta) = (vector(self, "gamma")?, vector(self, "beta")?);
-                if self.mode == Mode::Infer {
+                if self.mode == Mode::Infer || self.keep_norm {
                     let (mean, var) = (vector(self, "mean")?, vector(self, "var")?);
                     return Ok(ops::conv_folded_elu(x, weight, [gamma, beta, mean, var], conv.dilation, self.path));
                 }

@@ -7,7 +7,8 @@ mod stock;
 
 use burn::tensor::Tensor;
 
-use own_conv::{ConvTanh, Norm};
+use own_conv::{Biased, Norm};
+use plenoscope::kernel::Activation;
 
 /// Whose operations compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ pub fn conv_folded_elu<const D: usize>(
     let (weight, bias) = stock::fold(weight, norm);
     match path {
         Path::Stock => stock::conv_elu(x, weight, bias, dilation),
-        Path::Own => own::conv_elu(x, weight, bias, Norm { dilation }),
+        Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu }),
     }
 }
 
@@ -62,7 +63,7 @@ pub fn conv_tanh<const D: usize>(
 ) -> Tensor<D> {
     match path {
         Path::Stock => stock::conv_tanh(x, weight, bias, dilation, scale),
-        Path::Own => own::conv_tanh(x, weight, bias, ConvTanh { dilation, scale }),
+        Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Tanh { scale } }),
     }
 }
 

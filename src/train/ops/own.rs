@@ -9,9 +9,7 @@ use burn::backend::tensor::FloatTensor;
 use burn::backend::{Autodiff, AutodiffBackend, Backend, Dispatch, Flex, backend_extension};
 use burn::tensor::Tensor;
 
-use super::own_conv::{
-    ConvTanh, Norm, Saved, SavedTanh, elu_forward, norm_backward, norm_forward, tanh_backward, tanh_forward,
-};
+use super::own_conv::{Biased, Norm, Saved, SavedBiased, biased_backward, biased_forward, norm_backward, norm_forward};
 use super::own_flex::{contiguous, dims, make, pool_backward, pool_forward, slice, up_backward, up_forward};
 
 /// Our operations, in terms of a backend's own tensors. Shapes as in [`crate::ops`].
@@ -25,19 +23,12 @@ pub trait LightFieldOps: Backend {
         beta: FloatTensor<Self>,
         norm: Norm,
     ) -> (FloatTensor<Self>, FloatTensor<Self>);
-    /// Convolution with bias, ELU. No gradient: for inference.
-    fn conv_elu(
+    /// Convolution with bias, then ELU or scaled tanh.
+    fn conv_biased(
         x: FloatTensor<Self>,
         weight: FloatTensor<Self>,
         bias: FloatTensor<Self>,
-        norm: Norm,
-    ) -> FloatTensor<Self>;
-    /// Convolution with bias, scaled tanh.
-    fn conv_tanh(
-        x: FloatTensor<Self>,
-        weight: FloatTensor<Self>,
-        bias: FloatTensor<Self>,
-        end: ConvTanh,
+        end: Biased,
     ) -> FloatTensor<Self>;
     /// Mean of 2×2 pixels.
     fn pool(x: FloatTensor<Self>) -> FloatTensor<Self>;
@@ -56,11 +47,8 @@ impl LightFieldOps for Flex {
         let (y, statistics, _) = norm_forward(x, weight, [gamma, beta], norm);
         (y, statistics)
     }
-    fn conv_elu(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, norm: Norm) -> FlexTensor {
-        elu_forward(x, weight, bias, norm)
-    }
-    fn conv_tanh(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, end: ConvTanh) -> FlexTensor {
-        tanh_forward(x, weight, bias, end).0
+    fn conv_biased(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, end: Biased) -> FlexTensor {
+        biased_forward(x, weight, bias, end).0
     }
     fn pool(x: FlexTensor) -> FlexTensor {
         pool_forward(&contiguous(x))
@@ -94,15 +82,15 @@ impl Backward<Flex, 4> for NormBackward {
 }
 
 #[derive(Debug)]
-struct TanhBackward;
+struct BiasedBackward;
 
-impl Backward<Flex, 3> for TanhBackward {
-    type State = SavedTanh;
+impl Backward<Flex, 3> for BiasedBackward {
+    type State = SavedBiased;
 
-    fn backward(self, ops: Ops<SavedTanh, 3>, gradients: &mut Gradients, _: &mut Checkpointer) {
+    fn backward(self, ops: Ops<SavedBiased, 3>, gradients: &mut Gradients, _: &mut Checkpointer) {
         let gy = contiguous(gradients.consume::<Flex>(&ops.node));
         let wants_x = ops.parents[0].is_some();
-        let taken = tanh_backward(&ops.state, slice(&gy), wants_x);
+        let taken = biased_backward(&ops.state, slice(&gy), wants_x);
         register(gradients, ops.parents.map(|parent| parent.map(|node| node.id)), taken);
     }
 }
@@ -159,29 +147,15 @@ impl<C: CheckpointStrategy> LightFieldOps for Autodiff<Flex, C> {
         (y, <Self as AutodiffBackend>::from_inner(statistics))
     }
 
-    fn conv_elu(
+    fn conv_biased(
         x: FloatTensor<Self>,
         weight: FloatTensor<Self>,
         bias: FloatTensor<Self>,
-        norm: Norm,
-    ) -> FloatTensor<Self> {
-        <Self as AutodiffBackend>::from_inner(elu_forward(
-            x.into_primitive(),
-            weight.into_primitive(),
-            bias.into_primitive(),
-            norm,
-        ))
-    }
-
-    fn conv_tanh(
-        x: FloatTensor<Self>,
-        weight: FloatTensor<Self>,
-        bias: FloatTensor<Self>,
-        end: ConvTanh,
+        end: Biased,
     ) -> FloatTensor<Self> {
         let ((x, nx), (weight, nw), (bias, nb)) = (x.into_parts(), weight.into_parts(), bias.into_parts());
-        let (y, saved) = tanh_forward(x, weight, bias, end);
-        match TanhBackward.prepare::<C>([nx, nw, nb]).compute_bound().stateful() {
+        let (y, saved) = biased_forward(x, weight, bias, end);
+        match BiasedBackward.prepare::<C>([nx, nw, nb]).compute_bound().stateful() {
             OpsKind::Tracked(prepared) => prepared.finish(saved, y),
             OpsKind::UnTracked(prepared) => prepared.finish(y),
         }
@@ -225,17 +199,8 @@ pub(super) fn conv_norm_elu<const D: usize>(
     (Tensor::from_dispatch(y), Tensor::from_dispatch(statistics))
 }
 
-pub(super) fn conv_elu<const D: usize>(x: Tensor<D>, weight: Tensor<D>, bias: Tensor<1>, norm: Norm) -> Tensor<D> {
-    Tensor::from_dispatch(<Dispatch as LightFieldOps>::conv_elu(
-        x.into_dispatch(),
-        weight.into_dispatch(),
-        bias.into_dispatch(),
-        norm,
-    ))
-}
-
-pub(super) fn conv_tanh<const D: usize>(x: Tensor<D>, weight: Tensor<D>, bias: Tensor<1>, end: ConvTanh) -> Tensor<D> {
-    Tensor::from_dispatch(<Dispatch as LightFieldOps>::conv_tanh(
+pub(super) fn conv_biased<const D: usize>(x: Tensor<D>, weight: Tensor<D>, bias: Tensor<1>, end: Biased) -> Tensor<D> {
+    Tensor::from_dispatch(<Dispatch as LightFieldOps>::conv_biased(
         x.into_dispatch(),
         weight.into_dispatch(),
         bias.into_dispatch(),

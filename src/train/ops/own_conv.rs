@@ -14,13 +14,13 @@ pub struct Norm {
     pub dilation: usize,
 }
 
-/// A convolution that ends in `scale · tanh(z / scale)`.
+/// A convolution with bias that ends in ELU or in `scale · tanh(z / scale)`.
 #[derive(Clone, Copy, Debug)]
-pub struct ConvTanh {
+pub struct Biased {
     /// Distance of neighbouring taps in y and x.
     pub dilation: usize,
-    /// Largest magnitude of the result.
-    pub scale: f32,
+    /// What it ends in.
+    pub activation: Activation,
 }
 
 /// What the backward pass of a normalised convolution needs.
@@ -33,14 +33,14 @@ pub struct Saved {
     norm: norm::Norm,
 }
 
-/// What the backward pass of a convolution with tanh needs.
+/// What the backward pass of a convolution with bias needs.
 #[derive(Clone, Debug)]
-pub struct SavedTanh {
+pub struct SavedBiased {
     conv: Conv,
     x: FlexTensor,
     y: FlexTensor,
     weight: FlexTensor,
-    scale: f32,
+    activation: Activation,
 }
 
 /// The kernel's convolution for tensors of these shapes.
@@ -105,43 +105,38 @@ fn tensors(gradients: Gradients, weight: &FlexTensor, x: &FlexTensor) -> [Option
     [Some(make(gradients.weights, &dims(weight))), gradients.x.map(|gradient| make(gradient, &dims(x)))]
 }
 
-pub(super) fn elu_forward(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, how: Norm) -> FlexTensor {
-    let (x, weight) = (contiguous(x), contiguous(weight));
-    let conv = conv_of(&dims(&x), &dims(&weight), how.dilation);
-    biased(&conv, [&x, &weight, &contiguous(bias)], 1.0, Activation::Elu)
-}
-
-pub(super) fn tanh_forward(
+pub(super) fn biased_forward(
     x: FlexTensor,
     weight: FlexTensor,
     bias: FlexTensor,
-    end: ConvTanh,
-) -> (FlexTensor, SavedTanh) {
-    let (x, weight) = (contiguous(x), contiguous(weight));
-    let conv = conv_of(&dims(&x), &dims(&weight), end.dilation);
-    let activation = Activation::Tanh { scale: end.scale };
-    let y = biased(&conv, [&x, &weight, &contiguous(bias)], end.scale, activation);
-    (y.clone(), SavedTanh { conv, x, y, weight, scale: end.scale })
-}
-
-/// `activation((w ∗ x + bias) / scale)`.
-fn biased(conv: &Conv, [x, weight, bias]: [&FlexTensor; 3], scale: f32, activation: Activation) -> FlexTensor {
-    let (mut y, _) = conv.step(slice(x), slice(weight));
+    Biased { dilation, activation }: Biased,
+) -> (FlexTensor, SavedBiased) {
+    let (x, weight, bias) = (contiguous(x), contiguous(weight), contiguous(bias));
+    let conv = conv_of(&dims(&x), &dims(&weight), dilation);
+    let (mut y, _) = conv.step(slice(&x), slice(&weight));
     let (plane, channels) = (conv.shape().plane(), conv.shape().channels_out);
+    let scale = if let Activation::Tanh { scale } = activation { scale } else { 1.0 };
     y.par_chunks_mut(plane).enumerate().for_each(|(i, plane)| {
-        let bias = slice(bias)[i % channels];
+        let bias = slice(&bias)[i % channels];
         plane.iter_mut().for_each(|z| *z = (*z + bias) / scale);
         norm::activate(Isa::best(), plane, activation);
     });
-    make(y, &out_shape(&dims(x), channels))
+    let y = make(y, &out_shape(&dims(&x), channels));
+    (y.clone(), SavedBiased { conv, x, y, weight, activation })
 }
 
 /// Gradients of input (if wanted), weights and bias.
-pub(super) fn tanh_backward(saved: &SavedTanh, gy: &[f32], wants_x: bool) -> [Option<FlexTensor>; 3] {
+pub(super) fn biased_backward(saved: &SavedBiased, gy: &[f32], wants_x: bool) -> [Option<FlexTensor>; 3] {
     let shape = saved.conv.shape();
     let channels = shape.channels_out;
+    let slope = |y: f32| match saved.activation {
+        Activation::Tanh { scale } => 1.0 - (y / scale).powi(2),
+        // exp(z) for z below 0, which is y + 1.
+        Activation::Elu => 1.0 + y.min(0.0),
+        Activation::None => 1.0,
+    };
     let values = slice(&saved.y).par_iter().zip(gy).with_min_len(8192);
-    let gz: Vec<f32> = values.map(|(y, gy)| gy * (1.0 - (y / saved.scale).powi(2))).collect();
+    let gz: Vec<f32> = values.map(|(y, gy)| gy * slope(*y)).collect();
     let bias = norm::sums(Isa::best(), &gz, channels, shape.plane()).iter().map(|[sum, _]| *sum as f32).collect();
     let pieces = |piece: &mut [f32], at: usize| piece.copy_from_slice(&gz[at..][..piece.len()]);
     let gradients = saved.conv.step_gradients(slice(&saved.x), slice(&saved.weight), pieces, wants_x);

@@ -91,17 +91,33 @@ fn convolution_with_tanh_is_burns() {
     }
 }
 
-#[test]
-fn a_normalised_convolution_of_inference_is_burns() {
-    let run = |path| {
-        let norm = |n| [random(3, [n]), random(4, [n]), random(5, [n]), random(6, [n]).abs()];
-        let volume = conv_folded_elu(random(1, [1, 4, 3, 10, 12]), random(2, [8, 4, 3, 3, 3]), norm(8), 1, path);
-        let plane = conv_folded_elu(random(1, [2, 24, 10, 12]), random(2, [40, 24, 3, 3]), norm(40), 2, path);
-        [values(volume), values(plane)]
-    };
-    for (a, b) in run(Path::Own).iter().zip(&run(Path::Stock)) {
-        same("conv_folded_elu", a, b);
+/// Result and the gradients of input, weights, γ and β of Σ result·probe, normalised by given statistics.
+fn folded_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize, path: Path) -> Vec<Vec<f32>> {
+    let mut shape = [3; D];
+    (shape[0], shape[1]) = (outputs, x[1]);
+    let mut out = x;
+    out[1] = outputs;
+    let (x, weight) = (random(1, x).require_grad(), random(2, shape).require_grad());
+    let [gamma, beta] = [random(3, [outputs]).require_grad(), random(4, [outputs]).require_grad()];
+    let norm = [gamma.clone(), beta.clone(), random(5, [outputs]), random(6, [outputs]).abs() + 0.1];
+    let y = conv_folded_elu(x.clone(), weight.clone(), norm, dilation, path);
+    let gradients = (y.clone() * random(7, out)).sum().backward();
+    let of = |t: &Tensor<D>| values(t.grad(&gradients).unwrap());
+    let of_channels = |t: &Tensor<1>| values(t.grad(&gradients).unwrap());
+    vec![values(y), of(&x), of(&weight), of_channels(&gamma), of_channels(&beta)]
+}
+
+fn check_folded_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize) {
+    let (ours, theirs) = (folded_elu(x, outputs, dilation, Path::Own), folded_elu(x, outputs, dilation, Path::Stock));
+    for (what, (a, b)) in ["y", "∂x", "∂w", "∂γ", "∂β"].into_iter().zip(ours.iter().zip(&theirs)) {
+        same(&format!("{what} of {x:?} → {outputs} with kept statistics"), a, b);
     }
+}
+
+#[test]
+fn a_convolution_normalised_by_kept_statistics_is_burns() {
+    check_folded_elu([1, 4, 3, 10, 12], 8, 1);
+    check_folded_elu([2, 24, 10, 12], 40, 2);
 }
 
 #[test]
