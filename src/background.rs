@@ -39,8 +39,9 @@ pub type Cell = [f32; 5];
 /// Behind every place of a picture, `[y, x]`. A surface is behind another when it is farther by `apart_px`; `seen` is
 /// what is known of a place from elsewhere, of weight 0 where nothing is.
 pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell + Sync) -> Vec<Hidden> {
-    let edges = front.edges(apart_px);
-    let levels = pyramid(front.base(apart_px), apart_px);
+    let nearest = front.nearest();
+    let edges = front.edges(&nearest, apart_px);
+    let levels = pyramid(front.base(&nearest, apart_px), apart_px);
     let [width, height] = front.size;
     let reach = REACH * width.max(height) as f32;
     let at = |i: usize| {
@@ -48,9 +49,8 @@ pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell 
         let mut hidden = [0.0; 6];
         hidden[DISTANCE] = distance;
         if distance < reach {
-            let own = front.nearest_around(i, MIXED);
-            let farther = apart_px.max(0.5 * (own - far));
-            hidden[..DISTANCE].copy_from_slice(&fill(&levels, [x, y], [own, farther], seen(x, y)));
+            let farther = apart_px.max(0.5 * (nearest[i] - far));
+            hidden[..DISTANCE].copy_from_slice(&fill(&levels, [x, y], [nearest[i], farther], seen(x, y)));
         }
         hidden
     };
@@ -109,20 +109,20 @@ struct Edge {
 }
 
 impl Front {
-    /// Disparity of the nearest surface up to `reach` rows and columns from a cell.
-    fn nearest_around(&self, i: usize, reach: usize) -> f32 {
-        around(self.size, i, reach).map(|i| self.disparity_px[i]).fold(f32::MIN, f32::max)
+    /// Per cell: the disparity of the nearest surface that may have its colours in it.
+    fn nearest(&self) -> Vec<f32> {
+        let of = |i: usize| around(self.size, i, MIXED).map(|j| self.disparity_px[j]).fold(f32::MIN, f32::max);
+        (0..self.disparity_px.len()).into_par_iter().with_min_len(self.size[0]).map(of).collect()
     }
 
     /// Per cell: the nearest edge. Distance runs inward only: over the near side, and across the far one no farther than
     /// colours are mixed.
-    fn edges(&self, behind: f32) -> Vec<Edge> {
+    fn edges(&self, nearest: &[f32], behind: f32) -> Vec<Edge> {
         let [width, height] = self.size;
         let own_edge = |i: usize| {
             let own = self.disparity_px[i];
             let far = around(self.size, i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
-            let near = self.nearest_around(i, MIXED);
-            let is_edge = near > own + behind || far < own - behind;
+            let is_edge = nearest[i] > own + behind || far < own - behind;
             Edge { distance: if is_edge { 0.0 } else { f32::MAX / 4.0 }, far }
         };
         let mut edges: Vec<Edge> = (0..self.disparity_px.len()).into_par_iter().map(own_edge).collect();
@@ -145,14 +145,10 @@ impl Front {
     }
 
     /// The finest level: all cells but those beside something nearer, whose colours may be mixed with it.
-    fn base(&self, behind: f32) -> Level {
+    fn base(&self, nearest: &[f32], behind: f32) -> Level {
         let cell = |i: usize| {
             let [r, g, b] = self.rgb[i];
-            if self.nearest_around(i, MIXED) > self.disparity_px[i] + behind {
-                [0.0; 5]
-            } else {
-                [r, g, b, self.disparity_px[i], 1.0]
-            }
+            if nearest[i] > self.disparity_px[i] + behind { [0.0; 5] } else { [r, g, b, self.disparity_px[i], 1.0] }
         };
         Level { size: self.size, cells: (0..self.disparity_px.len()).into_par_iter().map(cell).collect() }
     }

@@ -103,10 +103,7 @@ fn front(surfaces: &Surfaces, light: &Light) -> Front {
             let mut rgb = vec![[0.0; 3]; width];
             light.row(0, y as i32, &mut rgb);
             let row = reader.at_row(y as i32);
-            let depth = |(i, color)| {
-                let seen = reader.seen(&row, i, color);
-                if seen.cover > 0.5 { seen.near_px } else { seen.far_px }
-            };
+            let depth = |(i, color)| reader.seen(&row, i, color).disparity_px();
             let depths = rgb.iter().enumerate().map(depth).collect();
             (rgb, depths)
         })

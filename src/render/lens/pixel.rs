@@ -3,7 +3,7 @@
 use super::Prepared;
 use super::behind::{self, Hidden};
 use super::sample::{mix, ramp};
-use super::surfaces::{self, Seen};
+use super::surfaces::{self, MIXTURE, Seen};
 
 /// Reads the pixels of rows.
 pub(super) struct Reader<'a> {
@@ -55,11 +55,11 @@ fn one_surface(seen: Seen, hidden: &Hidden) -> Seen {
 /// Behind a near side's fringe over the far side, the far side goes on, and not what is behind that.
 #[inline]
 fn far_side_behind(seen: &Seen, hidden: Option<Hidden>) -> Option<Hidden> {
-    if seen.cover <= 0.01 || seen.cover >= 0.99 {
+    if seen.cover <= MIXTURE[0] || seen.cover >= MIXTURE[1] {
         return hidden;
     }
     let own = Hidden { rgb: seen.far_rgb, disparity_px: seen.far_px, share: seen.foreign, distance_px: 0.0 };
-    let Some(hidden) = hidden else { return Some(own).filter(|own| own.share > 0.0) };
+    let hidden = hidden.unwrap_or(Hidden { share: 0.0, ..own });
     let deeper = (seen.far_px - hidden.disparity_px) / (seen.near_px - seen.far_px).max(1e-6);
     let known = hidden.share * (1.0 - ramp(0.1, 0.3, deeper));
     let more = (1.0 - known) * seen.foreign;

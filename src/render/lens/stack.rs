@@ -70,10 +70,8 @@ impl Prepared {
         for y in 0..height as i32 {
             let row = reader.at_row(y);
             self.light.row(0, y, &mut colors);
-            index.extend(colors.iter().enumerate().map(|(i, color)| {
-                let seen = reader.seen(&row, i, color);
-                nearest(if seen.cover > 0.5 { seen.near_px } else { seen.far_px })
-            }));
+            let seen = colors.iter().enumerate().map(|(i, color)| reader.seen(&row, i, color));
+            index.extend(seen.map(|seen| nearest(seen.disparity_px())));
         }
         index
     }

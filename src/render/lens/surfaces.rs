@@ -24,7 +24,8 @@ const FRINGE: [f32; 2] = [0.05, 0.2];
 /// A mixture of both sides' colours lies between them; how far from there, relative and squared, it stops to be one.
 const STRAY: [f32; 2] = [0.1, 0.4];
 
-/// Numbers of one cell, in the map's disparities.
+// Numbers of one cell; disparities are the map's.
+
 /// How sure it is that a colour which is not the far side's is the near side's, 0 … 1.
 const FOREIGN: usize = 0;
 const NEAR: usize = 1;
@@ -38,6 +39,9 @@ const TELLING: usize = 5;
 const FAR_COLOR: usize = 6;
 const AXIS: usize = 9;
 const LEN: usize = 12;
+
+/// A pixel is a mixture of its two sides where the near one covers more than the first part of it and less than the second.
+pub(super) const MIXTURE: [f32; 2] = [0.01, 0.99];
 
 /// The disparity map with the models of its edges.
 pub(super) struct Surfaces {
@@ -69,6 +73,11 @@ impl Seen {
     fn whole(disparity_px: f32) -> Self {
         let [near_px, far_px] = [disparity_px; 2];
         Self { near_px, far_px, cover: 1.0, edge: 0.0, far_rgb: [0.0; 3], foreign: 0.0 }
+    }
+
+    /// Disparity of the side that covers more of the pixel.
+    pub(super) fn disparity_px(&self) -> f32 {
+        if self.cover > 0.5 { self.near_px } else { self.far_px }
     }
 }
 

@@ -11,7 +11,7 @@ use super::kernel::Kernels;
 use super::rays::{BLOCK, Piece, SHARP_PX, Slices, slice_of};
 use super::sample::ramp;
 use super::spread::Spread;
-use super::surfaces::Seen;
+use super::surfaces::{MIXTURE, Seen};
 use crate::field::Lens;
 
 /// A part of the picture, in its pixels.
@@ -105,10 +105,10 @@ fn pieces(optics: &Optics, [x, y]: [i32; 2], color: [f32; 3], seen: Seen, hidden
     let near = optics.blur(seen.near_px, x, y);
     let color_of = |blur: f32| recovered(color, optics.lens.highlights, blur);
     let alone = |blur: f32| [Piece::new(color_of(blur), 1.0, blur), Piece::default()];
-    if seen.cover <= 0.01 {
+    if seen.cover <= MIXTURE[0] {
         return alone(optics.blur(seen.far_px, x, y));
     }
-    let mixed = seen.cover < 0.99;
+    let mixed = seen.cover < MIXTURE[1];
     let far = match hidden {
         Some(hidden) if !mixed => optics.blur(hidden.disparity_px, x, y),
         _ if mixed => optics.blur(seen.far_px, x, y),

@@ -82,8 +82,7 @@ impl Front {
             light.row(0, y as i32, &mut colors);
             let at = reader.at_row(y as i32);
             for (i, (depth, color)) in row.iter_mut().zip(&colors).enumerate() {
-                let seen = reader.seen(&at, i, color);
-                *depth = if seen.cover > 0.5 { seen.near_px } else { seen.far_px };
+                *depth = reader.seen(&at, i, color).disparity_px();
             }
         });
         let range = depth.iter().fold([f32::MAX, f32::MIN], |[lo, hi], &d| [lo.min(d), hi.max(d)]);

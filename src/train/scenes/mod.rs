@@ -297,8 +297,8 @@ impl Source {
     }
 
     fn canvas(&self, rng: &mut Rng, crop: [usize; 2]) -> Canvas {
-        let [least, most] = self.config.stretch;
-        if !self.config.augment || least == most {
+        let [least, most] = if self.config.augment { self.config.stretch } else { [1.0; 2] };
+        if least == most {
             return Canvas::new(crop, least * self.config.range_px());
         }
         let factor = rng.range(least.ln(), most.ln()).exp();
