@@ -75,12 +75,12 @@ impl Signed {
     }
 
     /// The same picture at another size, light averaged as light.
-    pub fn resized(view: &View, target: [usize; 2]) -> Self {
+    pub(crate) fn resized(view: &View, target: [usize; 2], filter: Filter) -> Self {
         let source = view.size().map(|side| side as usize);
         if source == target {
             return Self::from_view(view);
         }
-        let Ok(light) = resample_rows::<3, Infallible>(source, target, Filter::Lanczos3, |y, buffer| {
+        let Ok(light) = resample_rows::<3, Infallible>(source, target, filter, |y, buffer| {
             light_row(view.rgba(), source[0], y, buffer);
             Ok(())
         });

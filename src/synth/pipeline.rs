@@ -287,7 +287,7 @@ fn shrunk(reference: &View, depths: &RayDepths, size: [u32; 2]) -> Result<(Signe
         .par_chunks_exact(from[0] * from[1])
         .flat_map_iter(|map| nearest(map, from, to).into_iter().map(|d| d * ratio))
         .collect();
-    Ok((Signed::resized(reference, to), RayDepths::new(depths.grid(), size, maps)?))
+    Ok((Signed::resized(reference, to, Filter::Lanczos3), RayDepths::new(depths.grid(), size, maps)?))
 }
 
 /// Makes all views in parallel, a few at a time from the middle outward, and tells the sink of each.

@@ -2,6 +2,7 @@
 
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
+use super::resample::Filter;
 use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, order_range_px, upsample};
 use crate::field::{DisparityMap, View};
 use crate::job::Job;
@@ -28,7 +29,7 @@ impl RelativeNet {
     pub(super) fn estimate(&self, photo: &View, threads: usize, job: &Job) -> Result<DisparityMap, SynthError> {
         let manifest = self.net.manifest();
         let size = working_size(manifest, photo.size());
-        let input = relative_input(manifest, &Signed::resized(photo, size));
+        let input = relative_input(manifest, &Signed::resized(photo, size, Filter::Lanczos3));
         let shape = match manifest.relative.layout {
             Layout::Nchw => [1, 3, size[1], size[0]],
             Layout::Nhwc => [1, size[1], size[0], 3],

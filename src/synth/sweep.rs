@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::lift;
 use super::picture::Signed;
+use super::resample::Filter;
 use super::upsample::{self, EdgeAware};
 use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewOffset, fit_long_side};
 use crate::job::{Cancel, Cancelled, Job, Stage};
@@ -87,8 +88,8 @@ impl Sweep {
         let chosen = some_of(grid.rows()).into_iter().flat_map(|v| columns.iter().map(move |u| v * grid.cols() + u));
         let chosen: Vec<_> =
             chosen.map(|layer| grid.view_from_layer(layer)).filter(|at| *at != grid.reference()).collect();
-        let reference = Signed::resized(field.reference(), size);
-        let view = |at: &ViewIndex| balanced(Signed::resized(field.view(*at), size), &reference);
+        let reference = Signed::resized(field.reference(), size, Filter::Lanczos3);
+        let view = |at: &ViewIndex| balanced(Signed::resized(field.view(*at), size, Filter::Lanczos3), &reference);
         let others = chosen.par_iter().map(|at| (grid.offset(*at), view(at))).collect();
         let difference = |a: usize, b: usize| (reference.pixels[a] - reference.pixels[b]).abs().element_sum() / 6.0;
         let edges = EdgeAware::new(size, REACH_SHARE * size[0].max(size[1]) as f32, difference);

@@ -69,6 +69,11 @@ fn export_command() -> Command {
         )
         .arg(arg!(--"long-side" <PX> "Working long side").value_parser(value_parser!(usize)).required(true))
         .arg(
+            arg!(--gain <FACTOR> "Multiply the ray depths, for a working scale beside those that they were learned at")
+                .value_parser(value_parser!(f32))
+                .default_value("1"),
+        )
+        .arg(
             arg!(--checkpoint <FILE> "Also save a small checkpoint, without moments, to start from")
                 .required(false)
                 .value_parser(value_parser!(PathBuf)),
@@ -108,7 +113,8 @@ fn required<T: Clone + Send + Sync + 'static>(matches: &ArgMatches, name: &str) 
 fn export(matches: &ArgMatches) -> Result<()> {
     let paths = matches.get_many::<PathBuf>("CHECKPOINT").into_iter().flatten();
     let nets = paths.map(|path| Checkpoint::load(path)).collect::<Result<Vec<_>, _>>()?;
-    let net = Checkpoint::mean(nets)?;
+    let mut net = Checkpoint::mean(nets)?;
+    net.weights.amplify(required(matches, "gain")?);
     let about = About {
         id: required(matches, "id")?,
         licence: required(matches, "licence")?,

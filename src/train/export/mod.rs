@@ -113,6 +113,23 @@ mod tests {
     }
 
     #[test]
+    fn a_gain_multiplies_small_ray_depths() {
+        let input: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
+        let depths = |net: &Checkpoint| verify::trained(net, input.clone(), [16, 16]).unwrap();
+        let mut net = lived_in(Arch::Tiny);
+        net.weights.amplify(0.1);
+        let before = depths(&net);
+        net.weights.amplify(1.5);
+        assert!(before.iter().any(|d| d.abs() > 0.01));
+        assert!(
+            before
+                .iter()
+                .zip(depths(&net))
+                .all(|(before, after)| (1.5 * before - after).abs() < 0.01 * before.abs() + 1e-6)
+        );
+    }
+
+    #[test]
     fn exported_nets_compute_what_the_trained_ones_do() {
         let folder = tempfile::tempdir().unwrap();
         for (arch, id) in [(Arch::Tiny, "tiny"), (Arch::Occlusion, "occlusion")] {

@@ -27,7 +27,7 @@ pub fn difference(net: &Checkpoint, bytes: &[u8], side: usize) -> Result<f32, Tr
     Ok(largest)
 }
 
-fn trained(net: &Checkpoint, input: Vec<f32>, [height, width]: [usize; 2]) -> Result<Vec<f32>, TrainError> {
+pub(super) fn trained(net: &Checkpoint, input: Vec<f32>, [height, width]: [usize; 2]) -> Result<Vec<f32>, TrainError> {
     let graph = net.arch.graph();
     let mut tape = Tape::new(net.best(), Mode::Infer, Path::Stock);
     if graph.rank == 3 {
