@@ -61,6 +61,12 @@ pub enum TrainError {
         /// Number of the first sample of the batch.
         first_sample: u64,
     },
+    /// A factor of ray depths for a net that has none.
+    #[error("a net of {arch} gives no ray depths that --gain could multiply: leave it out")]
+    NoRayDepths {
+        /// The net.
+        arch: String,
+    },
     /// An exported net that does not compute what the trained one does.
     #[error("the exported net differs from the trained one by {difference:e} (at most {tolerance:e} is expected): nothing was written: {}", path.display())]
     Export {

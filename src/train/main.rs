@@ -70,7 +70,7 @@ fn export_command() -> Command {
         .arg(arg!(--"long-side" <PX> "Working long side").value_parser(value_parser!(usize)).required(true))
         .arg(
             arg!(--gain <FACTOR> "Multiply the ray depths, for a working scale beside those that they were learned at")
-                .value_parser(value_parser!(f32))
+                .value_parser(export::gain)
                 .default_value("1"),
         )
         .arg(
@@ -114,7 +114,7 @@ fn export(matches: &ArgMatches) -> Result<()> {
     let paths = matches.get_many::<PathBuf>("CHECKPOINT").into_iter().flatten();
     let nets = paths.map(|path| Checkpoint::load(path)).collect::<Result<Vec<_>, _>>()?;
     let mut net = Checkpoint::mean(nets)?;
-    net.weights.amplify(required(matches, "gain")?);
+    export::amplify(&mut net, required(matches, "gain")?)?;
     let about = About {
         id: required(matches, "id")?,
         licence: required(matches, "licence")?,

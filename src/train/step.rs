@@ -151,7 +151,7 @@ pub fn depth_step(
 /// Rows of the last layer whose views a step leaves out get the mean gradient of those it computes: the features
 /// change under all of them, and a row that stood still while they do would lag behind.
 fn share_rows(weights: &Weights, gradients: &mut [(usize, Vec<f32>)], views: &[usize]) {
-    for (at, gradient) in gradients.iter_mut().filter(|(at, _)| weights.tensors[*at].name.starts_with("last.")) {
+    for (at, gradient) in gradients.iter_mut().filter(|(at, _)| weights.tensors[*at].is_of_last_layer()) {
         let row = gradient.len() / weights.tensors[*at].shape[0];
         let mut mean = vec![0.0; row];
         for view in views {

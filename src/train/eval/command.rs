@@ -133,8 +133,8 @@ fn table(figures: &[Figures]) -> String {
         let c = &f.corners;
         let _ = writeln!(
             text,
-            "{}: corner L1 copy {:.4}, flat {:.4}, predicted {:.4}, fit {:.4}, sweep {:.4}: {:.0} % closed; depth \
-             correlation {:.2}, MAE {:.3} px",
+            "{}: corner L1 copy {:.4}, flat {:.4}, predicted {:.4}, fit {:.4}, sweep {:.4}: {:.0} % closed (by the \
+             swept depth {:.0} %); depth correlation {:.2}, MAE {:.3} px",
             f.name,
             c.copy,
             c.flat,
@@ -142,6 +142,7 @@ fn table(figures: &[Figures]) -> String {
             c.fit,
             c.sweep,
             100.0 * c.closed,
+            100.0 * c.swept_depth_closed,
             f.depth_correlation,
             f.depth_mae_px
         );

@@ -30,7 +30,7 @@ pub struct Closeness {
 }
 
 /// The corner views, mean L1 in 0 … 1.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Corners {
     /// The reference view itself.
     pub copy: f32,
@@ -42,10 +42,14 @@ pub struct Corners {
     pub fit: f32,
     /// That scale and shift.
     pub fit_scale_shift: [f32; 2],
-    /// Plane sweep over the true views.
+    /// Lambertian views of the swept depth of the reference view: about the best that one map can do.
+    pub swept_depth: f32,
+    /// Plane sweep over the true views, each pixel of each with its own plane.
     pub sweep: f32,
     /// (flat − fit) / (flat − sweep).
     pub closed: f32,
+    /// The same of the swept depth in place of the fit.
+    pub swept_depth_closed: f32,
 }
 
 /// The predicted ray depths against true ones.
@@ -105,10 +109,11 @@ pub fn evaluate(field: &TrueField, predictor: &dyn Predictor) -> anyhow::Result<
     let prediction = predictor.predict(field.reference())?;
     let swept = reference_depth(field);
     let count = field.reference().px.len();
-    let render = |layer: usize| {
+    let one_map = |layer: usize, disparity: &[f32]| {
         let (du, dv) = steps(layer);
-        warp::lambertian(field.reference(), prediction.view(layer, count), du, dv)
+        warp::lambertian(field.reference(), disparity, du, dv)
     };
+    let render = |layer| one_map(layer, prediction.view(layer, count));
     let lambertian: Vec<Rgb> = (0..64).into_par_iter().map(render).collect();
     let (corners, plane) = corners(field, &prediction, &lambertian);
     let full = prediction.corrected.as_deref().unwrap_or(&lambertian);
@@ -123,7 +128,10 @@ pub fn evaluate(field: &TrueField, predictor: &dyn Predictor) -> anyhow::Result<
     let tiles = tiles(field, &swept, own, full);
     let figures = Figures {
         name: field.name.clone(),
-        corners: Corners { sweep: corner_mean(field, |layer| sweep_views[layer].clone()), ..corners }.closed(),
+        corners: corners.beside(
+            corner_mean(field, |layer| one_map(layer, &swept.disparity_px)),
+            corner_mean(field, |layer| sweep_views[layer].clone()),
+        ),
         depth_correlation: correlation(known()),
         depth_mae_px: mean(known().map(|(a, b)| (a - b).abs())).unwrap_or(0.0),
         depth_known: known().count() as f32 / count as f32,
@@ -159,7 +167,7 @@ fn corner_mean(field: &TrueField, view: impl Fn(usize) -> Rgb + Sync) -> f32 {
     CORNERS.par_iter().map(|&layer| l1(&view(layer), &field.views[layer])).sum::<f32>() / 4.0
 }
 
-/// The corners' figures without the sweep, and the best plane.
+/// The corners' figures without the sweeps, and the best plane.
 fn corners(field: &TrueField, prediction: &Prediction, lambertian: &[Rgb]) -> (Corners, f32) {
     let reference = field.reference();
     let count = reference.px.len();
@@ -185,13 +193,13 @@ fn corners(field: &TrueField, prediction: &Prediction, lambertian: &[Rgb]) -> (C
     let (fit, fit_scale_shift) = fits.fold(none, least);
     let copy = corner_mean(field, |_| reference.clone());
     let predicted = corner_mean(field, |layer| lambertian[layer].clone());
-    (Corners { copy, flat, predicted, fit, fit_scale_shift, sweep: 0.0, closed: 0.0 }, plane)
+    (Corners { copy, flat, predicted, fit, fit_scale_shift, ..Corners::default() }, plane)
 }
 
 impl Corners {
-    fn closed(mut self) -> Self {
-        self.closed = (self.flat - self.fit) / (self.flat - self.sweep).max(1e-6);
-        self
+    fn beside(self, swept_depth: f32, sweep: f32) -> Self {
+        let closed = |l1: f32| (self.flat - l1) / (self.flat - sweep).max(1e-6);
+        Self { swept_depth, sweep, closed: closed(self.fit), swept_depth_closed: closed(swept_depth), ..self }
     }
 }
 

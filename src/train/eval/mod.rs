@@ -9,7 +9,8 @@
 //! * *Flat*: the best plane of −1 … 1 by 0.1. *Fit*: the best of `a·D + b`, a ∈ {.15 .3 .45 .6 .8 1 1.3}, b −0.6 … 0.6
 //!   by 0.1 (scale and focus of a lens cannot be known from a photo). *Sweep*: see [`sweep`].
 //! * *Closed* = (flat − fit) / (flat − sweep), mean L1 of the corners in 0 … 1: 0 knows no depth, 1 is as good as
-//!   having all views.
+//!   having all views. *By the swept depth*: the same of one map swept over the true views, which is what to measure a
+//!   net by: the sweep's own views fit every pixel of every view, noise with it.
 
 mod command;
 pub mod constructed;

@@ -101,6 +101,7 @@ fn the_truth_closes_the_gap_and_a_plane_closes_nothing() {
     assert!(found.corners.predicted < 1e-5 && found.lambertian.l1_01 < 1e-5, "{:?}", found.corners);
     assert!(found.corners.closed > 0.99 && found.depth_correlation > 0.98, "{found:?}");
     assert_eq!(found.corners.fit_scale_shift, [1.0, 0.0]);
+    assert!((0.8..1.0).contains(&found.corners.swept_depth_closed), "{:?}", found.corners);
     assert!(found.truth.is_none());
     let field = TrueField { depths: (0..64).map(|layer| (layer, truth(layer))).collect(), ..field };
     let shifted = |_: &Rgb| {

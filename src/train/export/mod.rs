@@ -51,6 +51,21 @@ pub fn tolerance(arch: Arch) -> f32 {
     if arch == Arch::Occlusion { 1e-5 } else { 1e-4 }
 }
 
+/// Reads a factor of ray depths, as `--gain` is written.
+pub fn gain(text: &str) -> Result<f32, String> {
+    let factor = text.parse().ok().filter(|factor: &f32| factor.is_finite() && *factor > 0.0);
+    factor.ok_or_else(|| "expected a number above 0, 1 for ray depths as they are".to_owned())
+}
+
+/// Multiplies a depth net's ray depths.
+pub fn amplify(net: &mut Checkpoint, gain: f32) -> Result<(), TrainError> {
+    if net.arch == Arch::Occlusion && gain != 1.0 {
+        return Err(TrainError::NoRayDepths { arch: net.arch.name() });
+    }
+    net.weights.amplify(gain);
+    Ok(())
+}
+
 /// Writes `models/<id>/model.onnx` and `manifest.toml`. The file is read back with tract and compared with the trained
 /// net first; nothing is written if they differ. Returns the folder and the largest difference found.
 pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf, f32), TrainError> {
@@ -117,9 +132,9 @@ mod tests {
         let input: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
         let depths = |net: &Checkpoint| verify::trained(net, input.clone(), [16, 16]).unwrap();
         let mut net = lived_in(Arch::Tiny);
-        net.weights.amplify(0.1);
+        amplify(&mut net, 0.1).unwrap();
         let before = depths(&net);
-        net.weights.amplify(1.5);
+        amplify(&mut net, 1.5).unwrap();
         assert!(before.iter().any(|d| d.abs() > 0.01));
         assert!(
             before
@@ -127,6 +142,17 @@ mod tests {
                 .zip(depths(&net))
                 .all(|(before, after)| (1.5 * before - after).abs() < 0.01 * before.abs() + 1e-6)
         );
+    }
+
+    #[test]
+    fn a_gain_is_a_positive_number_and_for_ray_depths() {
+        assert_eq!(gain("1.12"), Ok(1.12));
+        for text in ["0", "-1", "NaN", "inf", "much"] {
+            assert!(gain(text).is_err(), "{text}");
+        }
+        let mut net = lived_in(Arch::Occlusion);
+        assert!(amplify(&mut net, 1.0).is_ok());
+        assert!(amplify(&mut net, 1.5).unwrap_err().to_string().contains("--gain"));
     }
 
     #[test]

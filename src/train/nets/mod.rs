@@ -18,6 +18,8 @@ pub const VIEWS: usize = 64;
 pub const SIDE: usize = 8;
 /// Number of the reference view (4, 4) in `[v, u]` order.
 pub const REFERENCE: usize = 36;
+/// Name of the last layer, whose rows are a depth net's views.
+const LAST: &str = "last";
 /// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
 pub const RANGE_PX: f32 = 4.0;
 
@@ -140,7 +142,7 @@ fn paper(arch: Arch, inputs: usize) -> Graph {
     for (i, (outputs, dilation)) in layers.into_iter().enumerate() {
         net.conv(&format!("conv{i}"), outputs, dilation, End::NormElu);
     }
-    net.conv("last", VIEWS, 1, End::Tanh { scale: RANGE_PX });
+    net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
     net.finish(arch, 2, 1)
 }
 
@@ -166,7 +168,7 @@ fn u_net(arch: Arch, widths: &[usize]) -> Graph {
             net.conv(&format!("up{level}_{i}"), widths[level], 1, End::NormElu);
         }
     }
-    net.conv("last", VIEWS, 1, End::Tanh { scale: RANGE_PX });
+    net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
     net.finish(arch, 2, 1 << deepest)
 }
 
@@ -177,7 +179,7 @@ fn occlusion() -> Graph {
     for i in 0..4 {
         net.conv(&format!("conv{i}"), 8, 1, End::NormElu);
     }
-    net.conv("last", 3, 1, End::Tanh { scale: 1.0 });
+    net.conv(LAST, 3, 1, End::Tanh { scale: 1.0 });
     net.finish(Arch::Occlusion, 3, 1)
 }
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Conv, End, Graph, REFERENCE, VIEWS};
+use super::{Conv, End, Graph, LAST, REFERENCE, VIEWS};
 use crate::TrainError;
 use crate::rng::Rng;
 
@@ -17,6 +17,13 @@ pub struct Tensor32 {
     pub values: Vec<f32>,
     /// Whether the optimiser changes it (running statistics: no).
     pub trained: bool,
+}
+
+impl Tensor32 {
+    /// Whether it is of the last layer, whose rows are views (of the occlusion net: colours).
+    pub fn is_of_last_layer(&self) -> bool {
+        self.name.strip_prefix(LAST).is_some_and(|what| what.starts_with('.'))
+    }
 }
 
 /// All arrays of a net.
@@ -55,13 +62,13 @@ impl Weights {
 
     /// Multiplies what the last layer says before its tanh: ray depths by nearly as much, as they keep far from ±4 px.
     pub fn amplify(&mut self, gain: f32) {
-        let last = self.tensors.iter_mut().filter(|t| t.name.starts_with("last."));
+        let last = self.tensors.iter_mut().filter(|t| t.is_of_last_layer());
         last.for_each(|tensor| tensor.values.iter_mut().for_each(|value| *value *= gain));
     }
 
     /// Gives every row of a depth net's last layer what the reference view's row has: one map for all views.
     pub fn tie_views(&mut self) {
-        for tensor in self.tensors.iter_mut().filter(|t| t.name.starts_with("last.") && t.shape[0] == VIEWS) {
+        for tensor in self.tensors.iter_mut().filter(|t| t.is_of_last_layer() && t.shape[0] == VIEWS) {
             let row = tensor.values.len() / VIEWS;
             let reference = tensor.values[REFERENCE * row..][..row].to_vec();
             tensor.values.chunks_mut(row).for_each(|values| values.copy_from_slice(&reference));
