@@ -22,7 +22,7 @@ use super::state::{Edit, Face, Pose, Settings, Source};
 use super::tiles::Tiled;
 use super::toasts::Toasts;
 use super::worker::{Event, JobId, Outbox, Worker};
-use super::{Options, dialogs, edits, export, finals, jobs, near_end, panels, peaking, recents, theme};
+use super::{Options, dialogs, edits, export, finals, jobs, near_end, panels, peaking, recents, screen, theme};
 use crate::field::{ViewIndex, ViewPoint};
 use crate::synth::ModelSource;
 
@@ -108,6 +108,8 @@ pub struct App {
     /// When the picture last moved, so that the picture at rest waits for the hand.
     pub(super) moved_at_secs: f64,
     pub(super) is_moving: bool,
+    /// Whether the window was brought to its screen's size.
+    is_fitted: bool,
     pub(super) is_new_file: bool,
     pub(super) is_again: bool,
     pub(super) threads: usize,
@@ -166,6 +168,7 @@ impl App {
             hovered_px: None,
             moved_at_secs: 0.0,
             is_moving: false,
+            is_fitted: false,
             is_new_file: false,
             is_again: false,
             threads,
@@ -312,6 +315,7 @@ impl eframe::App for App {
                 ctx.input(|i| i.unstable_dt) * 1e3
             );
         }
+        self.is_fitted = self.is_fitted || screen::fit(ctx);
         self.drain(ctx);
         if let Some(stage) = &mut self.stage {
             stage.is_streaming = self.loading.is_some();

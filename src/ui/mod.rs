@@ -23,6 +23,7 @@ mod progress;
 mod queue;
 mod recents;
 mod rest;
+mod screen;
 mod stage;
 mod state;
 mod subject;
