@@ -67,7 +67,11 @@ pub struct WindowError(String);
 ///
 /// # Errors
 /// Where there is no display, or no graphics driver.
-pub fn run(options: Options) -> Result<(), WindowError> {
+pub fn run(mut options: Options) -> Result<(), WindowError> {
+    // Exports go beside the file, and the next run, from wherever it is started, finds it again.
+    for file in &mut options.files {
+        *file = std::path::absolute(&*file).unwrap_or_else(|_| file.clone());
+    }
     let mut native = eframe::NativeOptions {
         renderer: eframe::Renderer::Wgpu,
         // It would put noise on the photo.
