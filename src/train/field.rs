@@ -124,10 +124,6 @@ fn around(zero: ViewIndex, layer: usize) -> ViewIndex {
 /// # Errors
 /// Another number of them; several sizes.
 pub fn light_field(views: &[Rgb]) -> Result<LightField, FieldError> {
-    let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-    let view = |picture: &Rgb| {
-        let rgba = picture.px.iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2]), 255]).collect();
-        View::new(picture.size.map(|side| side as u32), rgba).map(Arc::new)
-    };
+    let view = |picture: &Rgb| View::new(picture.size.map(|side| side as u32), picture.rgba8()).map(Arc::new);
     LightField::new(ViewGrid::PAPER, views.iter().map(view).collect::<Result<_, _>>()?)
 }

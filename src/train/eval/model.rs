@@ -36,9 +36,7 @@ impl Models {
 impl Predictor for Models {
     fn predict(&self, reference: &Rgb) -> anyhow::Result<Prediction> {
         let size = reference.size.map(|side| side as u32);
-        let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-        let rgba = reference.px.iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2]), 255]).collect();
-        let photo = Photo::from_srgb8(size, rgba)?;
+        let photo = Photo::from_srgb8(size, reference.rgba8())?;
         let cancel = Cancel::default();
         let made = self.synthesizer.synthesize(&photo, &self.params, &Job { cancel: &cancel, sink: &() })?;
         let view = |rgba: &[u8]| {

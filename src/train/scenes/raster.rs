@@ -12,6 +12,14 @@ pub struct Raster<T> {
 /// A picture, sRGB.
 pub type Rgb = Raster<[f32; 3]>;
 
+impl Rgb {
+    /// Opaque RGBA of 8 bits; the colours are in 0 … 1, what is beyond is clamped.
+    pub fn rgba8(&self) -> Vec<u8> {
+        let byte = |c: f32| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        self.px.iter().flat_map(|&[r, g, b]| [byte(r), byte(g), byte(b), 255]).collect()
+    }
+}
+
 /// What a [`Raster`] can hold and interpolate.
 pub trait Texel: Copy + Send + Sync {
     /// What interpolation gives.
