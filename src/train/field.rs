@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use plenoscope::field::{FieldError, LightField, View, ViewGrid, ViewIndex};
-use plenoscope::io::{self, Opened};
+use plenoscope::io::{self, LightFieldFile, Opened};
 use plenoscope::job::{Cancel, Cancelled, Job};
 use plenoscope::synth::sweep;
 
@@ -60,7 +60,17 @@ impl TrueField {
     pub fn open(path: &Path) -> Result<Self, TrueFieldError> {
         let cancel = Cancel::default();
         let opened = io::open(path, &Job { cancel: &cancel, sink: &() })?;
-        let Opened::LightField(file) = opened else { return Err(TrueFieldError::Photo(path.to_owned())) };
+        match opened {
+            Opened::LightField(file) => Self::of(path, *file),
+            Opened::Photo(_) => Err(TrueFieldError::Photo(path.to_owned())),
+        }
+    }
+
+    /// What `path` was opened as.
+    ///
+    /// # Errors
+    /// A grid that is too small; views that make no light field.
+    pub fn of(path: &Path, file: LightFieldFile) -> Result<Self, TrueFieldError> {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let size = file.field.size().map(|side| side as usize);
         let views = Self::views(&file.field, path, file.display_gamma.unwrap_or(1.0))?;

@@ -6,10 +6,12 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{ArgMatches, Command, arg, value_parser};
 use indicatif::{ProgressBar, ProgressStyle};
+use plenoscope::io::{self, Opened};
+use plenoscope::job::{Cancel, Job};
 use serde_json::{Value, json};
 
 use super::light_field::{Closeness, Figures};
-use super::{Models, Predictor, TrueField, constructed, light_field, photos, sheet};
+use super::{Models, Predictor, TrueField, constructed, light_field, phone, photos, sheet};
 
 /// Width of a picture on a contact sheet.
 const TILE: usize = 240;
@@ -18,8 +20,8 @@ const TILE: usize = 240;
 pub fn command() -> Command {
     let path = || value_parser!(PathBuf);
     Command::new("eval")
-        .about("Figures on light fields and on validation photos")
-        .arg(arg!([LF] ... "Light fields: folders of views, HCI scenes, ESLF files").value_parser(path()))
+        .about("Figures on light fields, on photos with a phone's depth and on validation photos")
+        .arg(arg!([FILE] ... "Light fields (views, HCI, ESLF) and photos with a phone's depth").value_parser(path()))
         .arg(arg!(--photos "The validation photos of the data folder, too"))
         .arg(arg!(--data <DIR> "Folder of flowers/ and everyday/").default_value("data").value_parser(path()))
         .arg(arg!(--scenes <N> "Constructed validation scenes").default_value("24").value_parser(value_parser!(usize)))
@@ -40,10 +42,10 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let threads = matches.get_one::<usize>("threads").copied().unwrap_or(0);
     let folder = matches.get_one::<PathBuf>("models").map(PathBuf::as_path);
     let models = Models::load(folder, matches.get_one::<String>("net").map(String::as_str), threads)?;
-    let fields: Vec<PathBuf> = matches.get_many("LF").into_iter().flatten().cloned().collect();
+    let files: Vec<PathBuf> = matches.get_many("FILE").into_iter().flatten().cloned().collect();
     anyhow::ensure!(
-        !fields.is_empty() || matches.get_flag("photos"),
-        "nothing to evaluate — give light fields, or --photos"
+        !files.is_empty() || matches.get_flag("photos"),
+        "nothing to evaluate — give light fields, photos with depth, or --photos"
     );
     let sheets = matches.get_one::<PathBuf>("sheets");
     if let Some(folder) = sheets {
@@ -53,27 +55,66 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         let Some(folder) = sheets.filter(|_| !rows.is_empty()) else { return Ok(()) };
         Ok(sheet::write_png(&folder.join(name), &sheet::join(rows, TILE))?)
     };
-    let (mut figures, mut rows) = (Vec::new(), Vec::new());
-    let bar = progress("light fields");
-    for path in &fields {
-        let report = light_field::evaluate(&TrueField::open(path)?, &models)?;
-        figures.push(report.figures);
-        rows.push(report.tiles);
-        step(&bar, fields.len());
-    }
-    bar.finish_and_clear();
-    put("light_fields.png", &rows)?;
+    let found = evaluate_files(&files, &models)?;
+    put("light_fields.png", &found.field_rows)?;
+    put("phones.png", &found.phone_rows)?;
+    let figures = found.fields;
     let photos = if matches.get_flag("photos") { Some(photo_figures(matches, &models, &put)?) } else { None };
     let tags: Vec<_> = models.tags().iter().map(|tag| json!({"id": tag.id, "sha256": tag.sha256})).collect();
     if matches.get_flag("json") {
-        let value = json!({"models": tags, "light_fields": figures, "mean": mean_of(&figures), "photos": photos});
+        let value = json!({
+            "models": tags, "light_fields": figures, "mean": mean_of(&figures), "phones": found.phones, "photos": photos,
+        });
         return Ok(format!("{value}\n"));
     }
     let mut text = table(&figures);
+    text.extend(found.phones.iter().map(phone_line));
     if let Some(photos) = photos {
         let _ = writeln!(text, "{}", serde_json::to_string_pretty(&photos)?);
     }
     Ok(text)
+}
+
+/// What was found on the files that were named, and pictures of it.
+#[derive(Default)]
+struct Found {
+    fields: Vec<Figures>,
+    field_rows: Vec<Vec<super::Rgb>>,
+    phones: Vec<phone::Figures>,
+    phone_rows: Vec<Vec<super::Rgb>>,
+}
+
+fn evaluate_files(files: &[PathBuf], models: &dyn Predictor) -> Result<Found> {
+    let mut found = Found::default();
+    let cancel = Cancel::default();
+    let bar = progress("files");
+    for path in files {
+        match io::open(path, &Job { cancel: &cancel, sink: &() })? {
+            Opened::LightField(file) => {
+                let report = light_field::evaluate(&TrueField::of(path, *file)?, models)?;
+                found.fields.push(report.figures);
+                found.field_rows.push(report.tiles);
+            }
+            Opened::Photo(file) => {
+                let (figures, tiles) = phone::evaluate(path, &file, models)?;
+                found.phones.push(figures);
+                found.phone_rows.push(tiles);
+            }
+        }
+        step(&bar, files.len());
+    }
+    bar.finish_and_clear();
+    Ok(found)
+}
+
+fn phone_line(found: &phone::Figures) -> String {
+    format!(
+        "{}: Spearman with the depth that came with it {:.3} (the row number alone: {:.3}), over {:.0} % of the picture\n",
+        found.name,
+        found.spearman,
+        found.rows_spearman,
+        100.0 * found.known
+    )
 }
 
 /// A bar on the terminal's error stream, none where that is no terminal.

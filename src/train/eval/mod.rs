@@ -1,9 +1,9 @@
 //! Evaluation, so that figures from two places agree.
 //!
 //! A [`Predictor`] gets the reference view alone and gives ray depths of all 64 views (and corrected views, if it has
-//! an occlusion net); [`light_field`] compares with the true views, [`photos`] with masks and nearness maps,
-//! [`constructed`] with scenes whose ray depths are known. Every figure stands beside copying the photo, the best
-//! plane and a plane sweep over the true views.
+//! an occlusion net); [`light_field`] compares with the true views, [`phone`] with the depth that came with a photo,
+//! [`photos`] with masks and nearness maps, [`constructed`] with scenes whose ray depths are known. Every figure on light
+//! fields stands beside copying the photo, the best plane and a plane sweep over the true views.
 //!
 //! * *Corner views*: (0,0) (0,7) (7,0) (7,7). *Outermost views*: the 28 on the rim.
 //! * *Flat*: the best plane of −1 … 1 by 0.1. *Fit*: the best of `a·D + b`, a ∈ {.15 .3 .45 .6 .8 1 1.3}, b −0.6 … 0.6
@@ -18,6 +18,7 @@ mod error;
 pub mod light_field;
 pub mod metrics;
 mod model;
+pub mod phone;
 pub mod photos;
 pub mod sheet;
 pub mod sweep;

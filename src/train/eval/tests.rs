@@ -1,5 +1,8 @@
 //! The measures on scenes whose answers are known.
 
+use plenoscope::io::{self, DepthKind, EmbeddedDepth, Opened};
+use plenoscope::job::{Cancel, Job};
+
 use super::metrics::{correlation, l1, psnr, spearman, ssim, within_rows};
 use super::*;
 use crate::rng::Rng;
@@ -167,6 +170,31 @@ fn light_fields_are_read_around_their_reference_view() {
     assert!((field.reference().px[0][1] - 80.0 / 255.0).abs() < 1e-6);
     assert_eq!(field.views[REFERENCE].px, field.reference().px);
     assert!(field.depths.is_empty());
+}
+
+#[test]
+fn the_phones_order_is_compared_where_it_knows_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("photo.png");
+    image::RgbImage::from_pixel(40, 20, image::Rgb([90, 120, 60])).save(&path).unwrap();
+    let cancel = Cancel::default();
+    let Opened::Photo(mut file) = io::open(&path, &Job { cancel: &cancel, sink: &() }).unwrap() else { panic!() };
+    let to_the_right = |photo: &Rgb| {
+        let [w, h] = photo.size;
+        Ok(Prediction::tied(&(0..w * h).map(|i| (i % w) as f32).collect::<Vec<_>>()))
+    };
+    let text = phone::evaluate(&path, &file, &to_the_right).err().unwrap().to_string();
+    assert!(text.contains("photo.png") && text.contains("expected"), "{text}");
+    // Nearer to the right, in no even steps; unknown in the upper half, where it would be the other way round.
+    let inverse_depth = (0..200).map(|i| if i < 100 { f32::NAN } else { (i % 20) as f32 * (i % 20) as f32 }).collect();
+    file.depth = Some(EmbeddedDepth { kind: DepthKind::Gdepth, size: [20, 10], inverse_depth, metric: false });
+    let (found, tiles) = phone::evaluate(&path, &file, &to_the_right).unwrap();
+    assert!(found.spearman > 0.99 && found.rows_spearman.abs() < 1e-6, "{found:?}");
+    assert_eq!((found.known, tiles.len()), (0.5, 3));
+    let to_the_left = |photo: &Rgb| {
+        to_the_right(photo).map(|p| Prediction::tied(&p.view(0, photo.px.len()).iter().map(|d| -d).collect::<Vec<_>>()))
+    };
+    assert!(phone::evaluate(&path, &file, &to_the_left).unwrap().0.spearman < -0.99);
 }
 
 #[test]
