@@ -31,6 +31,16 @@ pub enum TrainError {
         /// The net that was asked for.
         wanted: String,
     },
+    /// A checkpoint of a depth net where the occlusion net is wanted, or the other way round.
+    #[error("this is a checkpoint of the net {have}; expected one of {wanted}: {}", path.display())]
+    OtherNet {
+        /// The net that it holds.
+        have: String,
+        /// What was asked for.
+        wanted: &'static str,
+        /// The file.
+        path: PathBuf,
+    },
     /// A file that cannot be read or written.
     #[error("cannot {action}: {source}: {}", path.display())]
     File {

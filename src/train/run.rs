@@ -44,7 +44,7 @@ impl Nets {
     /// Fresh nets, or those that `--init` and `--depth-from` name.
     pub fn start(config: &Config) -> Result<Self, TrainError> {
         let open = |path: &Option<PathBuf>, arch| match path {
-            Some(path) => Checkpoint::load(path)
+            Some(path) => load(path, arch == Arch::Occlusion)
                 .map(|c| Checkpoint { weights: c.best().clone(), ..Checkpoint::new(c.arch, config.seed) }),
             None => Ok(Checkpoint::new(arch, config.seed)),
         };
@@ -57,7 +57,7 @@ impl Nets {
                 Ok(Self { depth: Some(net), occlusion: None })
             }
             Stage::Occlusion => {
-                let depth = config.depth_from.as_ref().map(|path| Checkpoint::load(path)).transpose()?;
+                let depth = config.depth_from.as_ref().map(|path| load(path, false)).transpose()?;
                 Ok(Self { depth, occlusion: Some(open(&config.init, Arch::Occlusion)?) })
             }
             Stage::Joint => Ok(Self {
@@ -69,11 +69,11 @@ impl Nets {
 
     /// The nets of a run's folder, to go on with.
     pub fn resume(config: &Config, folder: &Path) -> Result<Self, TrainError> {
-        let open = |name: &str| Checkpoint::load(&folder.join(name));
+        let open = |name: &str| load(&folder.join(name), name == OCCLUSION_FILE);
         match config.stage {
             Stage::Depth => Ok(Self { depth: Some(open(DEPTH_FILE)?), occlusion: None }),
             Stage::Occlusion => {
-                let depth = config.depth_from.as_ref().map(|path| Checkpoint::load(path)).transpose()?;
+                let depth = config.depth_from.as_ref().map(|path| load(path, false)).transpose()?;
                 Ok(Self { depth, occlusion: Some(open(OCCLUSION_FILE)?) })
             }
             Stage::Joint => Ok(Self { depth: Some(open(DEPTH_FILE)?), occlusion: Some(open(OCCLUSION_FILE)?) }),
@@ -127,6 +127,16 @@ impl Nets {
             _ => Err(TrainError::Missing { name: "net of this stage".into() }),
         }
     }
+}
+
+/// A checkpoint of the occlusion net, or of a depth net.
+fn load(path: &Path, occlusion: bool) -> Result<Checkpoint, TrainError> {
+    let net = Checkpoint::load(path)?;
+    if (net.arch == Arch::Occlusion) == occlusion {
+        return Ok(net);
+    }
+    let wanted = if occlusion { "the occlusion net" } else { "a depth net" };
+    Err(TrainError::OtherNet { have: net.arch.name(), wanted, path: path.to_owned() })
 }
 
 /// Ray depths that the occlusion net is given: a depth net's, or the true ones.
@@ -299,6 +309,31 @@ mod tests {
         assert_eq!(weights(&nets).weights, weights(&resumed).weights);
         assert_eq!(weights(&nets).average, weights(&resumed).average);
         assert_eq!(weights(&nets).adam, weights(&resumed).adam);
+    }
+
+    #[test]
+    fn a_checkpoint_of_the_other_net_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |arch: Arch| folder.path().join(arch.name());
+        for arch in [Arch::Tiny, Arch::Occlusion] {
+            Checkpoint::new(arch, 1).save(&path(arch), Moments::Without).unwrap();
+        }
+        let [depth, occlusion] = [Arch::Tiny, Arch::Occlusion].map(|arch| Some(path(arch)));
+        let plain = config(folder.path(), 1);
+        let configs = [
+            Config { init: occlusion.clone(), ..plain.clone() },
+            Config { stage: Stage::Occlusion, init: depth.clone(), ..plain.clone() },
+            Config { stage: Stage::Occlusion, depth_from: occlusion.clone(), ..plain.clone() },
+            Config { stage: Stage::Joint, init: depth.clone(), ..plain.clone() },
+            Config { stage: Stage::Joint, depth_from: occlusion.clone(), ..plain.clone() },
+        ];
+        for config in &configs {
+            let text = Nets::start(config).err().unwrap().to_string();
+            let (have, want) =
+                if text.contains("net tiny") { ("tiny", "the occlusion") } else { ("occlusion", "a depth") };
+            assert!(text.contains(want) && text.ends_with(have), "{text}");
+        }
+        assert!(Nets::start(&Config { stage: Stage::Joint, init: occlusion, depth_from: depth, ..plain }).is_ok());
     }
 
     #[test]
