@@ -1,12 +1,12 @@
 //! Checkpoints: weights, moments and where the run stands, in one `.safetensors` file (a JSON header, then raw arrays).
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::TrainError;
+use crate::files;
 use crate::nets::{Arch, Tensor32, Weights};
 use crate::optimizer::AdamW;
 
@@ -97,13 +97,7 @@ impl Checkpoint {
 
     /// Writes the file aside, then renames it: an earlier checkpoint stays whole if this fails.
     pub fn save(&self, path: &Path, moments: Moments) -> Result<(), TrainError> {
-        let failed = |source| TrainError::File { action: "write the checkpoint", source, path: path.to_owned() };
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed)?;
-        file.write_all(&self.encode(moments)).map_err(failed)?;
-        file.as_file().sync_all().map_err(failed)?;
-        file.persist(path).map_err(|e| failed(e.error))?;
-        Ok(())
+        files::write(path, &self.encode(moments), "write the checkpoint")
     }
 
     /// Reads a file that [`save`](Self::save) wrote.

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use crate::TrainError;
+use crate::files;
 
 /// Size of the picture and its margins, px.
 const SIZE: [f64; 2] = [900.0, 480.0];
@@ -18,10 +19,10 @@ type Curves = BTreeMap<String, Vec<(f64, f64)>>;
 
 /// Draws `metrics` (JSON lines) to `svg`; nothing is written while there are fewer than two lines.
 pub fn draw(metrics: &Path, svg: &Path) -> Result<(), TrainError> {
-    let failed = |source| TrainError::File { action: "draw the curves", source, path: svg.to_owned() };
+    let failed = |source| TrainError::File { action: "read the metrics", source, path: metrics.to_owned() };
     let curves = read(&std::fs::read_to_string(metrics).map_err(failed)?);
     match picture(&curves) {
-        Some(text) => std::fs::write(svg, text).map_err(failed),
+        Some(text) => files::write(svg, text.as_bytes(), "draw the curves"),
         None => Ok(()),
     }
 }

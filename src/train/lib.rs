@@ -12,6 +12,7 @@ pub mod eslf;
 pub mod eval;
 pub mod export;
 pub mod field;
+pub mod files;
 pub mod loss;
 pub mod nets;
 pub mod ops;

@@ -16,6 +16,7 @@ use crate::config::{Config, Stage};
 use crate::contact;
 use crate::curves;
 use crate::eval::sheet;
+use crate::files;
 use crate::nets::{Arch, Graph};
 use crate::step::{self, Report};
 
@@ -192,9 +193,9 @@ pub fn train(config: &Config, mut nets: Nets, draw: &Draw, stop: &AtomicBool) ->
 /// Makes the run's folder and puts the config there.
 fn prepare(config: &Config) -> Result<(), TrainError> {
     let path = config.out.join(CONFIG_FILE);
-    let failed = |source| TrainError::File { action: "write the run's config", source, path: path.clone() };
+    let failed = |source| TrainError::File { action: "make the run's folder", source, path: config.out.clone() };
     std::fs::create_dir_all(&config.out).map_err(failed)?;
-    std::fs::write(&path, format!("{:#}\n", json!(config))).map_err(failed)
+    files::write(&path, format!("{:#}\n", json!(config)).as_bytes(), "write the run's config")
 }
 
 fn check_numbers(report: &Report, step: u64, config: &Config, batch: &Batch) -> Result<(), TrainError> {

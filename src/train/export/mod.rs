@@ -10,6 +10,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::TrainError;
 use crate::checkpoint::Checkpoint;
+use crate::files;
 use crate::nets::{Arch, RANGE_PX, SIDE};
 
 pub use onnx::encode;
@@ -79,8 +80,8 @@ pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf
     }
     let failed = |source| TrainError::File { action: "write the model", source, path: folder.clone() };
     std::fs::create_dir_all(&folder).map_err(failed)?;
-    write_aside(&path, &bytes)?;
-    write_aside(&folder.join("manifest.toml"), manifest(net, about, &bytes)?.as_bytes())?;
+    files::write(&path, &bytes, "write the model")?;
+    files::write(&folder.join("manifest.toml"), manifest(net, about, &bytes)?.as_bytes(), "write the manifest")?;
     Ok((folder, found))
 }
 
@@ -100,13 +101,6 @@ fn manifest(net: &Checkpoint, about: &About, bytes: &[u8]) -> Result<String, Tra
         disparity_range_px: [-RANGE_PX, RANGE_PX],
     };
     toml::to_string(&manifest).map_err(|e| TrainError::Data { why: e.to_string() })
-}
-
-fn write_aside(path: &Path, bytes: &[u8]) -> Result<(), TrainError> {
-    let failed = |source| TrainError::File { action: "write the model", source, path: path.to_owned() };
-    let aside = path.with_extension("part");
-    std::fs::write(&aside, bytes).map_err(failed)?;
-    std::fs::rename(&aside, path).map_err(failed)
 }
 
 #[cfg(test)]
