@@ -16,13 +16,14 @@
 //! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.
 //! * [`series`]: focal stacks and animations.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
-//! * [`job`]: progress and cancel, for every long computation.
+//! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
 pub mod background;
 pub mod batch;
 pub mod bench;
+pub mod errors;
 pub mod field;
 pub mod io;
 pub mod job;

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Context as _, Result};
 use clap::{ArgMatches, Args as _, Command, arg, value_parser};
+use plenoscope::errors::sentence;
 use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope_train::checkpoint::{Checkpoint, Moments};
 use plenoscope_train::config::{Config, Preset};
@@ -31,19 +32,10 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", sentence(&error));
+            eprintln!("error: {}", sentence(&*error));
             ExitCode::FAILURE
         }
     }
-}
-
-/// An error with its causes; one that the text before it holds already is not repeated.
-fn sentence(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |text, cause| match text {
-        text if text.is_empty() => cause,
-        text if text.contains(&cause) => text,
-        text => format!("{text}: {cause}"),
-    })
 }
 
 fn command() -> Command {

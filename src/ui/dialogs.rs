@@ -141,7 +141,7 @@ fn depth_map(path: PathBuf) -> Event {
             let readings = near_end::readings(&map);
             Event::Picked(Picked::DepthMap { path, is_disparity: map.is_disparity, readings })
         }
-        Err(error) => Event::Failed(super::jobs::sentence(&error)),
+        Err(error) => Event::Failed(crate::errors::sentence(&error)),
     }
 }
 

@@ -6,9 +6,9 @@ use std::time::Duration;
 use egui::util::undoer::Undoer;
 
 use super::app::App;
-use super::jobs::sentence;
 use super::state::Edit;
 use super::worker::{Event, JobId, Outbox};
+use crate::errors::sentence;
 use crate::field::ViewPoint;
 use crate::job::Cancel;
 use crate::recipe::Recipe;

@@ -98,7 +98,7 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
         let event = match renderer.render(&request, &Job { cancel, sink: &() }) {
             Ok(picture) => Event::Final(Box::new((request.key, Arc::new(TileSet::of_picture(&picture))))),
             Err(LensError::Cancelled(_)) => Event::Stopped,
-            Err(error) => Event::Failed(super::jobs::sentence(&error)),
+            Err(error) => Event::Failed(crate::errors::sentence(&error)),
         };
         outbox.send(job, event);
     }

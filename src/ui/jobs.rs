@@ -10,6 +10,7 @@ use super::recents;
 use super::state::Source;
 use super::tiles::TileSet;
 use super::worker::{Event, JobId, Outbox, Work};
+use crate::errors::sentence;
 use crate::field::{Photo, RayDepths, View, ViewIndex};
 use crate::io;
 use crate::job::{Cancel, Job, Progress, Sink};
@@ -145,20 +146,6 @@ fn open(from: &From, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -
 fn of_photo(photo: Arc<Photo>, name: &str) -> Document {
     let [w, h] = photo.size();
     Document { name: name.to_owned(), facts: format!("{w} × {h}"), photo: Some(photo), ..Document::default() }
-}
-
-/// An error with its causes, as one sentence; a cause that the error's own text already holds is not repeated.
-pub fn sentence(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let inner_text = inner.to_string();
-        if !text.contains(&inner_text) {
-            text = format!("{text}: {inner_text}");
-        }
-        cause = inner.source();
-    }
-    text
 }
 
 /// How long something took.

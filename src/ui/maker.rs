@@ -6,8 +6,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::document::{Document, Made, Survey};
-use super::jobs::{Load, secs_since, sentence};
+use super::jobs::{Load, secs_since};
 use super::state::Source;
+use crate::errors::sentence;
 use crate::field::{DisparityMap, LightField, Photo};
 use crate::job::Job;
 use crate::synth::{

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use super::super::document::Document;
 use super::super::finals::scene_of;
-use super::super::jobs::{Load, read, sentence};
+use super::super::jobs::{Load, read};
 use super::super::maker::Maker;
 use super::super::state::Edit;
 use super::super::subject;
 use super::super::worker::{Event, JobId, Outbox, Work};
 use super::{Existing, ExportSettings, What, series};
+use crate::errors::sentence;
 use crate::field::{LightField, Photo, RayDepths};
 use crate::io::formats::depth_out::Seen;
 use crate::io::formats::{Source, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
