@@ -9,6 +9,5 @@ pub mod cpu;
 #[cfg(feature = "ui")]
 pub mod gpu;
 pub mod lens;
-mod picture;
 
-pub use picture::Picture;
+pub use crate::field::Picture;

@@ -8,6 +8,7 @@ use glam::Vec3;
 use png::{BitDepth, ColorType};
 
 use super::out;
+use crate::field::Picture;
 use crate::field::color::srgb8_from_linear;
 use crate::field::{LightField, View, ViewGrid, ViewOffset, ViewPoint, bilinear};
 use crate::io::raster;
@@ -15,7 +16,6 @@ use crate::io::save::SaveError;
 use crate::io::sniff::Sniffed;
 use crate::io::{FileInfo, LightFieldFile, Problem};
 use crate::job::{Job, Stage};
-use crate::render::Picture;
 
 const FORMAT: &str = "Looking Glass quilt";
 

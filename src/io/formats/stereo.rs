@@ -5,10 +5,10 @@ use std::path::Path;
 use png::{BitDepth, ColorType};
 
 use super::out;
+use crate::field::Picture;
 use crate::field::color::srgb8_from_linear;
 use crate::field::{ViewOffset, ViewPoint};
 use crate::io::save::SaveError;
-use crate::render::Picture;
 
 /// Both eyes' viewpoints, `apart` view steps from each other, around the reference view.
 pub fn eyes(apart: f32) -> [ViewPoint; 2] {

@@ -5,11 +5,11 @@ use std::sync::LazyLock;
 
 use super::layout::tests::scene;
 use super::*;
+use crate::field::Picture;
 use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewPoint};
 use crate::io::save::{self, PictureOptions};
 use crate::io::{Opened, open};
 use crate::job::Cancel;
-use crate::render::Picture;
 
 /// A job that nobody stops or listens to.
 fn job() -> Job<'static> {

@@ -4,7 +4,7 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use super::{SaveError, atomic, webp_animation};
-use crate::render::Picture;
+use crate::field::Picture;
 
 /// How an animation is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,12 +16,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::field::{Metadata, Photo, Transfer};
-use crate::render::Picture;
+use crate::field::{Metadata, Photo, Picture, Transfer};
 
 pub use animation::{AnimationOptions, animation};
 pub use atomic::{atomic, free_path, same_file};
 pub use encode::encode;
+
+pub use crate::field::{Pixels, Samples};
 
 /// Why a file could not be written. The old file, if there was one, is as it was.
 #[derive(Debug, thiserror::Error)]
@@ -199,57 +200,6 @@ impl Default for PictureOptions {
     fn default() -> Self {
         let origin = Origin::default();
         Self { format: None, bits: 8, quality: 92, keep: Keep::All, origin, replace_source: false }
-    }
-}
-
-/// Stored values of a picture, `[y, x, 3]`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Samples {
-    /// 8 bits a channel.
-    Eight(Vec<u8>),
-    /// 16 bits a channel.
-    Sixteen(Vec<u16>),
-}
-
-/// A picture as it will stand in the file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pixels {
-    /// Width and height.
-    pub size: [u32; 2],
-    /// Red, green and blue of every pixel.
-    pub samples: Samples,
-}
-
-impl Pixels {
-    /// Stored values of linear light, `[y, x, 3]`.
-    pub fn from_linear(size: [u32; 2], rgb_linear: &[f32], bits: u8, transfer: &Transfer) -> Self {
-        let mut samples = Samples::with_room(bits, rgb_linear.len());
-        samples.push_linear(rgb_linear, transfer);
-        Self { size, samples }
-    }
-
-    /// The same picture with 8 bits a channel.
-    fn to_eight(&self) -> std::borrow::Cow<'_, [u8]> {
-        match &self.samples {
-            Samples::Eight(px) => px.into(),
-            Samples::Sixteen(px) => px.iter().map(|&v| ((u32::from(v) * 255 + 32767) / 65535) as u8).collect(),
-        }
-    }
-}
-
-impl Samples {
-    /// No values yet, but room for `len` of them.
-    pub fn with_room(bits: u8, len: usize) -> Self {
-        if bits > 8 { Self::Sixteen(Vec::with_capacity(len)) } else { Self::Eight(Vec::with_capacity(len)) }
-    }
-
-    /// Appends linear light, `[.., 3]`.
-    pub fn push_linear(&mut self, rgb_linear: &[f32], transfer: &Transfer) {
-        let lights = rgb_linear.iter().enumerate();
-        match self {
-            Self::Eight(px) => px.extend(lights.map(|(i, &light)| transfer.eight_from_linear(i % 3, light))),
-            Self::Sixteen(px) => px.extend(lights.map(|(i, &light)| transfer.sixteen_from_linear(i % 3, light))),
-        }
     }
 }
 

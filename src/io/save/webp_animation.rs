@@ -5,7 +5,7 @@ use std::io::{Seek, SeekFrom, Write};
 use std::path::Path;
 
 use super::SaveError;
-use crate::render::Picture;
+use crate::field::Picture;
 
 /// Sides are kept as 24 bits in the container, and as 14 bits in a picture.
 const MAX_SIDE: u32 = 1 << 14;

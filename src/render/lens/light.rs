@@ -16,6 +16,16 @@ pub enum Space {
     Srgb,
 }
 
+impl Space {
+    /// The curve between a photo's stored values and light.
+    pub(super) fn transfer(self, photo: &Photo) -> Transfer {
+        match self {
+            Self::Own => Transfer::of_profile(photo.metadata().icc.as_deref()),
+            Self::Srgb => Transfer::srgb(),
+        }
+    }
+}
+
 /// Where light comes from.
 #[derive(Clone)]
 pub(super) enum Light {
@@ -26,12 +36,9 @@ pub(super) enum Light {
 
 impl Light {
     pub(super) fn of(photo: &Photo, space: Space) -> Self {
-        let size = photo.size();
-        if space == Space::Srgb {
-            return Self::Eight { size, px: Arc::clone(photo.srgb8()), transfer: Transfer::srgb() };
-        }
-        let transfer = Transfer::of_profile(photo.metadata().icc.as_deref());
+        let (size, transfer) = (photo.size(), space.transfer(photo));
         match photo.pixels() {
+            _ if space == Space::Srgb => Self::Eight { size, px: Arc::clone(photo.srgb8()), transfer },
             PhotoPixels::Eight(px) => Self::Eight { size, px: Arc::clone(px), transfer },
             PhotoPixels::Sixteen(px) => Self::Sixteen { size, px: Arc::clone(px), transfer },
         }

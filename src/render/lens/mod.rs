@@ -34,8 +34,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::field::{DisparityMap, Lens, Photo};
-use crate::io::save::{Pixels, Samples};
+use crate::field::{DisparityMap, Lens, Photo, Pixels, Samples};
 use crate::job::{Cancelled, Job, Stage};
 use crate::render::Picture;
 
@@ -160,18 +159,14 @@ pub fn render(scene: &Scene, lens: &Lens, size: [u32; 2], job: &Job) -> Result<P
 }
 
 /// Renders a whole picture straight into stored values of 8 or 16 bits, so that light is held for a band only: what
-/// large photos are exported with. Save it with [`Origin::in_own_space`](crate::io::save::Origin::in_own_space).
+/// large photos are exported with. They are stored with the curve of the scene's [`Space`].
 pub fn render_pixels(scene: &Scene, lens: &Lens, size: [u32; 2], bits: u8, job: &Job) -> Result<Pixels, LensError> {
-    use crate::io::save::Origin;
-    let origin = match scene.space {
-        Space::Own => Origin::in_own_space(&scene.photo),
-        Space::Srgb => Origin::in_srgb(&scene.photo),
-    };
+    let transfer = scene.space.transfer(&scene.photo);
     let prepared = scene.prepare(size);
     let [width, height] = prepared.size.map(|s| s as usize);
     let mut samples = Samples::with_room(bits, width * height * 3);
     let whole = Region { at: [0; 2], size: prepared.size };
-    prepared.render_bands(lens, whole, job, |band| samples.push_linear(band, &origin.transfer))?;
+    prepared.render_bands(lens, whole, job, |band| samples.push_linear(band, &transfer))?;
     Ok(Pixels { size: prepared.size, samples })
 }
 

@@ -1,0 +1,95 @@
+//! The outcome of every renderer: a picture in linear light, and the same as the values that stand in a file.
+
+use std::borrow::Cow;
+
+use super::Transfer;
+use super::color::srgb8_from_linear;
+
+/// A picture in linear sRGB light.
+///
+/// # Shapes
+/// - `rgb_linear`: `[y, x, 3]`, 0 black … 1 white, in the primaries of what it was made from; highlights may be above 1
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Width and height, in pixels.
+    pub size: [u32; 2],
+    /// Pixels, rows top to bottom.
+    pub rgb_linear: Vec<f32>,
+}
+
+impl Picture {
+    /// A picture whose pixel `(x, y)` is `color(x, y)`, made by all cores.
+    pub fn from_fn(size: [u32; 2], color: impl Fn(u32, u32) -> [f32; 3] + Sync) -> Self {
+        use rayon::prelude::*;
+        let mut rgb_linear = vec![0.0; size[0] as usize * size[1] as usize * 3];
+        rgb_linear.par_chunks_mut((size[0] as usize * 3).max(1)).enumerate().for_each(|(y, row)| {
+            for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
+                pixel.copy_from_slice(&color(x as u32, y as u32));
+            }
+        });
+        Self { size, rgb_linear }
+    }
+
+    /// One pixel in linear light.
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
+        let at = (y as usize * self.size[0] as usize + x as usize) * 3;
+        [self.rgb_linear[at], self.rgb_linear[at + 1], self.rgb_linear[at + 2]]
+    }
+
+    /// sRGB bytes, `[y, x, 4]`, alpha 255.
+    pub fn to_srgb8(&self) -> Vec<u8> {
+        let to_8 = |rgb: &[f32]| [srgb8_from_linear(rgb[0]), srgb8_from_linear(rgb[1]), srgb8_from_linear(rgb[2]), 255];
+        self.rgb_linear.chunks_exact(3).flat_map(to_8).collect()
+    }
+}
+
+/// Stored values of a picture, `[y, x, 3]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// 8 bits a channel.
+    Eight(Vec<u8>),
+    /// 16 bits a channel.
+    Sixteen(Vec<u16>),
+}
+
+/// A picture as it will stand in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pixels {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Red, green and blue of every pixel.
+    pub samples: Samples,
+}
+
+impl Pixels {
+    /// Stored values of linear light, `[y, x, 3]`.
+    pub fn from_linear(size: [u32; 2], rgb_linear: &[f32], bits: u8, transfer: &Transfer) -> Self {
+        let mut samples = Samples::with_room(bits, rgb_linear.len());
+        samples.push_linear(rgb_linear, transfer);
+        Self { size, samples }
+    }
+
+    /// The same picture with 8 bits a channel.
+    pub fn to_eight(&self) -> Cow<'_, [u8]> {
+        match &self.samples {
+            Samples::Eight(px) => px.into(),
+            Samples::Sixteen(px) => px.iter().map(|&v| ((u32::from(v) * 255 + 32767) / 65535) as u8).collect(),
+        }
+    }
+}
+
+impl Samples {
+    /// No values yet, but room for `len` of them.
+    pub fn with_room(bits: u8, len: usize) -> Self {
+        if bits > 8 { Self::Sixteen(Vec::with_capacity(len)) } else { Self::Eight(Vec::with_capacity(len)) }
+    }
+
+    /// Appends linear light, `[.., 3]`.
+    pub fn push_linear(&mut self, rgb_linear: &[f32], transfer: &Transfer) {
+        let lights = rgb_linear.iter().enumerate();
+        match self {
+            Self::Eight(px) => px.extend(lights.map(|(i, &light)| transfer.eight_from_linear(i % 3, light))),
+            Self::Sixteen(px) => px.extend(lights.map(|(i, &light)| transfer.sixteen_from_linear(i % 3, light))),
+        }
+    }
+}
