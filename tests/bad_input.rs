@@ -22,7 +22,7 @@ use std::sync::Arc;
 use harness::{Random, fuzz};
 use image::ImageFormat;
 use plenoscope::field::{LightField, RayDepths, View, ViewGrid};
-use plenoscope::io::formats::{Source, depth_map, eslf, hci, pfm, views};
+use plenoscope::io::formats::{FieldToWrite, depth_map, eslf, hci, pfm, views};
 use plenoscope::io::{self, OpenError, Opened};
 use plenoscope::job::{Cancel, Job};
 use plenoscope::recipe::Recipe;
@@ -134,7 +134,7 @@ fn lenslet_pictures_and_quilts() {
     let (field, _) = field();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("x.png");
-    eslf::write(&path, &Source::new(&field), &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
+    eslf::write(&path, &FieldToWrite::new(&field), &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
     let lenslets = std::fs::read(path).unwrap();
     for (parser, name, whole) in
         [("eslf", "a_eslf.png", lenslets), ("quilt", "q_qs4x2a1.5.png", seeds::still(ImageFormat::Png))]
@@ -163,7 +163,7 @@ fn fuzz_folder(parser: &str, folder: &Path, files: &[&str]) {
 #[test]
 fn folders_of_views() {
     let (field, depths) = field();
-    let source = Source { depths: Some(&depths), ..Source::new(&field) };
+    let source = FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) };
     let job = Job { cancel: &Cancel::default(), sink: &() };
     let dir = tempfile::tempdir().unwrap();
     views::write(&dir.path().join("views"), &source, &job).unwrap();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::ImageFormat;
-use plenoscope::io::formats::{Source, views};
+use plenoscope::io::formats::{FieldToWrite, views};
 use plenoscope::io::{self, Opened};
 use plenoscope::job::{Cancel, Job};
 
@@ -173,7 +173,7 @@ fn views_that_do_not_belong_together() {
     let (field, depths) = field();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("lf");
-    let source = Source { depths: Some(&depths), ..Source::new(&field) };
+    let source = FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) };
     let write = || views::write(&path, &source, &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
     let put = |name: &str, bytes: &[u8]| std::fs::write(path.join(name), bytes).unwrap();
     let told = |what: &str| run(what, || open_path(&path)).err().unwrap_or_else(|| panic!("{what} is opened"));

@@ -42,9 +42,9 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
             let scene = scene(job)?;
             let depths = scene.depths(job)?;
             job.advance(Stage::Save, 0, 1)?;
-            let source = plenoscope::io::formats::Source {
+            let source = plenoscope::io::formats::FieldToWrite {
                 depths: Some(&depths),
-                ..plenoscope::io::formats::Source::new(&scene.field)
+                ..plenoscope::io::formats::FieldToWrite::new(&scene.field)
             };
             Ok(ply::write(&args.output, &source)?)
         }

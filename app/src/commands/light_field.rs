@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use plenoscope::io::formats::{Source, eslf, hci, quilt, stanford, views};
+use plenoscope::io::formats::{FieldToWrite, eslf, hci, quilt, stanford, views};
 use plenoscope::io::save;
 use plenoscope::job::Job;
 use plenoscope::render::cpu;
@@ -45,7 +45,7 @@ impl<'a> Target<'a> {
         let depths = scene.depths(job)?;
         let models: Vec<_> = scene.models.iter().map(|model| (model.id.clone(), model.sha256.clone())).collect();
         let photo = scene.photo.as_deref();
-        let source = Source { field: &scene.field, depths: Some(&depths), photo, models: &models };
+        let source = FieldToWrite { field: &scene.field, depths: Some(&depths), photo, models: &models };
         self.make_folder()?;
         match self.format {
             FieldFormat::Views => views::write(&self.path, &source, job)?,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use png::{BitDepth, ColorType};
 
-use super::out::{self, Source};
+use super::out::{self, FieldToWrite};
 use crate::field::{LightField, View, ViewGrid, ViewIndex};
 use crate::io::raster;
 use crate::io::save::SaveError;
@@ -136,7 +136,7 @@ fn mean(field: &LightField) -> f32 {
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
-pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
+pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveError> {
     let field = source.field;
     let grid = field.grid();
     let block = grid.rows().max(grid.cols()).max(LENSLET_PX);

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::grid_names;
-use super::out::{self, Source};
+use super::out::{self, FieldToWrite};
 use super::{pfm, views};
 use crate::field::{RayDepths, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_up_to};
@@ -113,7 +113,7 @@ impl Camera {
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
-pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
+pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveError> {
     let is_ours = |name: &str| {
         name == CONFIG
             || (name.starts_with("input_Cam") && name.ends_with(".png"))
@@ -140,7 +140,7 @@ pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
     })
 }
 
-fn config(camera: &Camera, source: &Source, range: [f32; 2], scene: &str) -> String {
+fn config(camera: &Camera, source: &FieldToWrite, range: [f32; 2], scene: &str) -> String {
     let ([width, height], grid) = (source.field.size(), source.field.grid());
     format!(
         "[intrinsics]\nfocal_length_mm = {}\nimage_resolution_x_px = {width}\nimage_resolution_y_px = {height}\n\

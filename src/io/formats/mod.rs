@@ -26,7 +26,7 @@ use super::sniff::Sniffed;
 use super::{LightFieldFile, Problem};
 use crate::job::Job;
 
-pub use out::Source;
+pub use out::FieldToWrite;
 
 /// What of a light field survives being written and read again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use crate::job::{Job, Stage};
 
 /// What is written: a light field, and what is known beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct Source<'a> {
+pub struct FieldToWrite<'a> {
     /// The views.
     pub field: &'a LightField,
     /// Their ray depths, for the formats that hold them or need them.
@@ -24,7 +24,7 @@ pub struct Source<'a> {
     pub models: &'a [(String, String)],
 }
 
-impl<'a> Source<'a> {
+impl<'a> FieldToWrite<'a> {
     /// Views without anything else.
     pub fn new(field: &'a LightField) -> Self {
         Self { field, depths: None, photo: None, models: &[] }

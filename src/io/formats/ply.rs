@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::out::{self, Source};
+use super::out::{self, FieldToWrite};
 use crate::io::save::SaveError;
 
 /// Focal length over the longer side, where the photo does not say it: a phone's main camera.
@@ -14,7 +14,7 @@ const FOCAL: f32 = 0.75;
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
-pub fn write(path: &Path, source: &Source) -> Result<(), SaveError> {
+pub fn write(path: &Path, source: &FieldToWrite) -> Result<(), SaveError> {
     let depths = source.need_depths(path)?;
     let map = depths.reference();
     let [far, near] = map.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], &d| [lo.min(d), hi.max(d)]);
@@ -56,12 +56,12 @@ mod tests {
         let depths = RayDepths::new(field.grid(), [2, 1], vec![1.0, -1.0]).unwrap();
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("cloud.ply");
-        write(&path, &Source { depths: Some(&depths), ..Source::new(&field) }).unwrap();
+        write(&path, &FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) }).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         let points = &bytes[bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11..];
         let z = |n: usize| f32::from_le_bytes(points[n * 15 + 8..n * 15 + 12].try_into().unwrap());
         assert_eq!((points.len(), z(0), z(1)), (30, 1.0, 4.0));
         assert_eq!(points[12..15], [255, 0, 0]);
-        assert!(write(&path, &Source::new(&field)).is_err());
+        assert!(write(&path, &FieldToWrite::new(&field)).is_err());
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::grid_names::GridFiles;
-use super::out::{self, Source};
+use super::out::{self, FieldToWrite};
 use crate::field::{ViewGrid, ViewIndex};
 use crate::io::Problem;
 use crate::io::save::SaveError;
@@ -75,7 +75,7 @@ fn slope(pairs: impl Iterator<Item = (u32, f64)> + Clone) -> f64 {
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
-pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
+pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveError> {
     let is_ours = |name: &str| name.starts_with("out_") && name.ends_with(".png");
     let grid = source.field.grid();
     let name = |at: ViewIndex| {

@@ -34,7 +34,7 @@ fn depths(field: &LightField) -> RayDepths {
 }
 
 /// Writes a format of the table into a folder; the path that was written.
-fn write(id: &str, dir: &Path, source: &Source, job: &Job) -> PathBuf {
+fn write(id: &str, dir: &Path, source: &FieldToWrite, job: &Job) -> PathBuf {
     let entry = by_id(id).unwrap();
     let path = match entry.suffix {
         Some(suffix) => dir.join(format!("{}.{suffix}", id.trim_start_matches('.'))),
@@ -75,7 +75,7 @@ fn every_format_that_is_written_keeps_what_the_table_says() {
     let job = &job();
     let field = scene(8, 8, [40, 30]);
     let depths = depths(&field);
-    let source = Source { depths: Some(&depths), ..Source::new(&field) };
+    let source = FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) };
     let dir = tempfile::tempdir().unwrap();
     for entry in TABLE.iter().filter(|entry| entry.writer.is_some()) {
         let path = write(entry.id, dir.path(), &source, job);
@@ -132,7 +132,7 @@ fn what_the_table_reads_and_makes_opens_too() {
     let job = &job();
     let field = scene(8, 8, [40, 30]);
     let depths = depths(&field);
-    let source = Source { depths: Some(&depths), ..Source::new(&field) };
+    let source = FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) };
     let dir = tempfile::tempdir().unwrap();
     let quilt = light_field(&write("quilt", dir.path(), &source, job));
     assert_eq!((quilt.field.grid().rows(), quilt.field.grid().cols(), quilt.field.size()), (1, 8, [16, 12]));
@@ -149,7 +149,7 @@ fn other_grids_come_back_from_every_folder_format() {
     let job = &job();
     for (rows, cols) in [(1, 7), (9, 9), (3, 5), (17, 2)] {
         let field = scene(rows, cols, [24, 18]);
-        let source = Source::new(&field);
+        let source = FieldToWrite::new(&field);
         let dir = tempfile::tempdir().unwrap();
         let paths = ["views", "hci", "eslf.png"].map(|name| dir.path().join(name));
         views::write(&paths[0], &source, job).unwrap();
@@ -171,7 +171,7 @@ fn the_benchmarks_tools_find_the_truth_of_the_view_that_they_show() {
         let field = scene(side, side, [16, 12]);
         let depths = depths(&field);
         let path = dir.path().join(side.to_string());
-        hci::write(&path, &Source { depths: Some(&depths), ..Source::new(&field) }, job).unwrap();
+        hci::write(&path, &FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) }, job).unwrap();
         let truth = pfm::read_pfm(&path.join("gt_disp_lowres.pfm")).unwrap();
         assert_eq!(truth.disparity_px, depths.view(center));
         assert!(light_field(&path).warnings.is_empty());
@@ -195,10 +195,10 @@ fn a_persons_own_files_in_the_folder_stay() {
     let job = &job();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("out");
-    views::write(&path, &Source::new(&scene(3, 3, [16, 12])), job).unwrap();
+    views::write(&path, &FieldToWrite::new(&scene(3, 3, [16, 12])), job).unwrap();
     std::fs::write(path.join("letter.txt"), b"dear").unwrap();
     let smaller = scene(2, 2, [16, 12]);
-    views::write(&path, &Source::new(&smaller), job).unwrap();
+    views::write(&path, &FieldToWrite::new(&smaller), job).unwrap();
     assert!(path.join("letter.txt").is_file() && !path.join("view_2_2.png").exists());
     let file = light_field(&path);
     assert!(*file.field == smaller);
@@ -212,7 +212,7 @@ fn a_stopped_export_leaves_nothing() {
     let field = scene(2, 2, [16, 12]);
     let dir = tempfile::tempdir().unwrap();
     for write in [views::write, hci::write, stanford::write, eslf::write] {
-        assert!(write(&dir.path().join("x"), &Source::new(&field), job).is_err());
+        assert!(write(&dir.path().join("x"), &FieldToWrite::new(&field), job).is_err());
     }
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 0);
 }
@@ -236,7 +236,7 @@ fn missing_and_odd_views_are_named() {
     let job = &job();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("lf");
-    views::write(&path, &Source::new(&scene(3, 3, [16, 12])), job).unwrap();
+    views::write(&path, &FieldToWrite::new(&scene(3, 3, [16, 12])), job).unwrap();
     std::fs::remove_file(path.join("view_1_2.png")).unwrap();
     let text = open(&path, job).unwrap_err().to_string();
     assert!(text.contains("(v 1, u 2)") && text.ends_with("lf"), "{text}");
@@ -257,7 +257,7 @@ fn broken_ray_depths_are_a_warning() {
     let depths = depths(&field);
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("lf");
-    views::write(&path, &Source { depths: Some(&depths), ..Source::new(&field) }, job).unwrap();
+    views::write(&path, &FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) }, job).unwrap();
     let broken: [&dyn Fn(&Path); 3] =
         [&|map| std::fs::write(map, b"Pf\n16 12\n-1\n").unwrap(), &|map| std::fs::remove_file(map).unwrap(), &|map| {
             out::map_pfm(map, [2, 2], &[0.0; 4]).unwrap()

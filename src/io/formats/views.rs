@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::grid_names::{self, GridFiles};
-use super::out::{self, Source};
+use super::out::{self, FieldToWrite};
 use super::{layout, pfm, stanford};
 use crate::field::{LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
@@ -208,7 +208,7 @@ const CONVENTION: &str = "view(v,u)[y, x] = reference[y + (v-v0)*D, x + (u-u0)*D
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
-pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
+pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveError> {
     let is_ours = |name: &str| {
         name == INDEX_FILE
             || (name.starts_with("view_") && name.ends_with(".png"))
@@ -228,7 +228,7 @@ pub fn write(path: &Path, source: &Source, job: &Job) -> Result<(), SaveError> {
     })
 }
 
-fn index_of<'a>(source: &Source<'a>) -> WrittenIndex<'a> {
+fn index_of<'a>(source: &FieldToWrite<'a>) -> WrittenIndex<'a> {
     let grid = source.field.grid();
     let reference = grid.reference();
     let name = |photo: &Photo| Some(photo.source()?.file_name()?.to_string_lossy().into_owned());

@@ -87,7 +87,11 @@ fn write(folder: &Path, pictures: &[Rgb], depths: &[&[f32]]) -> Result<()> {
     let depths = all_known.then(|| RayDepths::new(ViewGrid::PAPER, field.size(), depths.concat())).transpose()?;
     let cancel = Cancel::default();
     let job = Job { cancel: &cancel, sink: &() };
-    Ok(views::write(folder, &formats::Source { depths: depths.as_ref(), ..formats::Source::new(&field) }, &job)?)
+    Ok(views::write(
+        folder,
+        &formats::FieldToWrite { depths: depths.as_ref(), ..formats::FieldToWrite::new(&field) },
+        &job,
+    )?)
 }
 
 #[cfg(test)]

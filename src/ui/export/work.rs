@@ -14,7 +14,7 @@ use super::{Existing, ExportSettings, What, series};
 use crate::errors::sentence;
 use crate::field::{LightField, Photo, RayDepths};
 use crate::io::formats::depth_out::Seen;
-use crate::io::formats::{Source, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
+use crate::io::formats::{FieldToWrite, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
 use crate::io::save::{self, Keep, Origin, PictureOptions, SaveError};
 use crate::job::{Cancel, Job, Progress, Sink, Stage};
 use crate::render::lens::{self, Scene, Space};
@@ -144,7 +144,8 @@ pub(super) type AnyError = Box<dyn std::error::Error>;
 fn write(target: &Path, request: &Request, job: &Job) -> Result<(), AnyError> {
     let Request { field, stored, depths, photo, settings, .. } = request;
     let depths = depths.as_deref();
-    let source = Source { depths, photo: photo.as_deref(), ..Source::new(stored.as_ref().unwrap_or(field)) };
+    let source =
+        FieldToWrite { depths, photo: photo.as_deref(), ..FieldToWrite::new(stored.as_ref().unwrap_or(field)) };
     let map = || depths.map(RayDepths::reference_map).ok_or_else(|| no_depths(target));
     match settings.what {
         What::Picture => return write_picture(target, request, job),
