@@ -17,9 +17,11 @@
 //! * [`series`]: focal stacks and animations.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
+//! * [`aside`]: files and folders that are there whole or not at all.
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
+pub mod aside;
 pub mod background;
 pub mod batch;
 pub mod bench;

@@ -17,6 +17,7 @@ use sha2::{Digest, Sha256};
 
 use super::library::hex;
 use super::{Manifest, SynthParams};
+use crate::aside::NewFile;
 use crate::field::{DisparityMap, Photo};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
@@ -89,9 +90,9 @@ impl Cache {
     /// Writes an entry aside, renames it, and deletes the longest unused ones beyond the limit.
     pub(super) fn write(&self, key: &CacheKey, entry: &Entry) -> io::Result<()> {
         fs::create_dir_all(&self.folder)?;
-        let mut aside = tempfile::NamedTempFile::new_in(&self.folder)?;
-        entry.write(&mut aside)?;
-        aside.persist(self.path(key)).map_err(|error| error.error)?;
+        let mut new = NewFile::new(&self.path(key))?;
+        entry.write(new.file())?;
+        new.put()?;
         self.trim()
     }
 

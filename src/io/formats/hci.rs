@@ -17,7 +17,7 @@ use super::out::{self, FieldToWrite};
 use super::{pfm, views};
 use crate::field::{RayDepths, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_up_to};
-use crate::io::save::SaveError;
+use crate::io::save::{self, SaveError};
 use crate::io::{FileInfo, LightFieldFile, Problem};
 use crate::job::Job;
 
@@ -121,7 +121,7 @@ pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveEr
     };
     let range = source.depths.map_or([-2.0, 2.0], RayDepths::range_px);
     let camera = Camera::for_range(range, source.field.size());
-    out::folder(path, is_ours, |folder| {
+    save::folder(path, is_ours, |folder| {
         let grid = source.field.grid();
         out::views(folder, source.field, |at| format!("input_Cam{:03}.png", grid.layer_from_view(at)), job)?;
         if let Some(depths) = source.depths {

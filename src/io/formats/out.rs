@@ -1,6 +1,6 @@
-//! What all writers share: what they write, folders written aside, PNG and PFM files.
+//! What all writers share: what they write, PNG and PFM files.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -35,50 +35,6 @@ impl<'a> FieldToWrite<'a> {
         let why = || "this format needs ray depths, and the light field has none; measure them first".to_owned();
         self.depths.ok_or_else(|| SaveError::Encode { why: why(), path: path.to_owned() })
     }
-}
-
-/// Writes a folder: aside, then renamed. Into a folder that is there already the files are moved one by one, and only
-/// files for which `is_ours` says so are taken away; a person's other files stay.
-pub(super) fn folder(
-    path: &Path,
-    is_ours: fn(&str) -> bool,
-    write: impl FnOnce(&Path) -> Result<(), SaveError>,
-) -> Result<(), SaveError> {
-    let fail = |error: std::io::Error| SaveError::from_io(&error, path);
-    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if path.is_file() {
-        return Err(SaveError::Encode {
-            why: "there is a file of that name; give the name of a folder".into(),
-            path: path.into(),
-        });
-    }
-    if !parent.is_dir() {
-        return Err(SaveError::NoFolder(parent.to_owned()));
-    }
-    let aside = tempfile::Builder::new().prefix(".plenoscope-").suffix(".part").tempdir_in(parent).map_err(fail)?;
-    write(aside.path())?;
-    if !path.exists() {
-        allow_others_to_read(aside.path()).map_err(fail)?;
-        return fs::rename(aside.keep(), path).map_err(fail);
-    }
-    for old in fs::read_dir(path).map_err(fail)?.filter_map(Result::ok) {
-        if is_ours(&old.file_name().to_string_lossy()) {
-            fs::remove_file(old.path()).map_err(fail)?;
-        }
-    }
-    for new in fs::read_dir(aside.path()).map_err(fail)? {
-        let new = new.map_err(fail)?;
-        fs::rename(new.path(), path.join(new.file_name())).map_err(fail)?;
-    }
-    Ok(())
-}
-
-/// A temporary folder is its owner's alone; what stays gets the ordinary rights.
-fn allow_others_to_read(folder: &Path) -> std::io::Result<()> {
-    #[cfg(unix)]
-    fs::set_permissions(folder, std::os::unix::fs::PermissionsExt::from_mode(0o755))?;
-    let _ = folder;
-    Ok(())
 }
 
 /// Writes one file inside a folder that is written aside.

@@ -6,7 +6,7 @@ use super::grid_names::GridFiles;
 use super::out::{self, FieldToWrite};
 use crate::field::{ViewGrid, ViewIndex};
 use crate::io::Problem;
-use crate::io::save::SaveError;
+use crate::io::save::{self, SaveError};
 use crate::job::Job;
 
 /// One file's name, taken apart.
@@ -82,7 +82,7 @@ pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveEr
         let steps = grid.offset(at);
         format!("out_{:02}_{:02}_{:.6}_{:.6}.png", at.v, at.u, -steps.dv, steps.du)
     };
-    out::folder(path, is_ours, |folder| out::views(folder, source.field, name, job))
+    save::folder(path, is_ours, |folder| out::views(folder, source.field, name, job))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::out::{self, FieldToWrite};
 use super::{layout, pfm, stanford};
 use crate::field::{LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
-use crate::io::save::SaveError;
+use crate::io::save::{self, SaveError};
 use crate::io::sniff::sniff;
 use crate::io::{FileInfo, LightFieldFile, Problem, raster};
 use crate::job::{Job, Stage};
@@ -214,7 +214,7 @@ pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveEr
             || (name.starts_with("view_") && name.ends_with(".png"))
             || (name.starts_with("disparity_") && name.ends_with(".pfm"))
     };
-    out::folder(path, is_ours, |folder| {
+    save::folder(path, is_ours, |folder| {
         out::views(folder, source.field, |at| format!("view_{}_{}.png", at.v, at.u), job)?;
         if let Some(depths) = source.depths {
             for at in depths.grid().views() {

@@ -1,32 +1,43 @@
-//! A file is there whole or not at all: written aside in the same folder, brought to the disk, then put in place.
+//! Files and folders written aside, with our words for what can go wrong.
 
 use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::SaveError;
+use crate::aside::{NewFile, NewFolder, parent};
 
 /// Writes a file through `write`: aside in the same folder, then in one step to `path`. Whatever goes wrong on the
 /// way, an older file at `path` stays as it was, and nothing half-written is left.
 pub fn atomic(path: &Path, write: impl FnOnce(&mut File) -> Result<(), SaveError>) -> Result<(), SaveError> {
-    let folder = folder_of(path)?;
-    let fail = |error: io::Error| SaveError::from_io(&error, path);
-    let mut aside = Aside::new(folder).map_err(fail)?;
-    write(aside.file()).map_err(|error| error.at(path))?;
-    aside.file().sync_all().map_err(fail)?;
-    aside.put(path).map_err(fail)
-}
-
-/// The folder that a file will be in; a sentence where it cannot be.
-fn folder_of(path: &Path) -> Result<&Path, SaveError> {
     if path.is_dir() || path.file_name().is_none() {
         return Err(SaveError::IsFolder(path.to_owned()));
     }
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    if folder.is_dir() { Ok(folder) } else { Err(SaveError::NoFolder(folder.to_owned())) }
+    check_parent(path)?;
+    let fail = |error| SaveError::from_io(&error, path);
+    let mut new = NewFile::new(path).map_err(fail)?;
+    write(new.file()).map_err(|error| error.at(path))?;
+    new.put().map_err(fail)
+}
+
+/// Writes a folder through `write`, which gets another path to write to: aside, then in one step to `path`. Into a
+/// folder that is there already go the files alone. Of its old files those are taken away for which `is_ours` says so;
+/// a person's own stay.
+pub fn folder<E: From<SaveError>>(
+    path: &Path,
+    is_ours: impl Fn(&str) -> bool,
+    write: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
+    check_parent(path)?;
+    let fail = |error| SaveError::from_io(&error, path);
+    let new = NewFolder::new(path).map_err(fail)?;
+    write(new.path())?;
+    Ok(new.put(is_ours).map_err(fail)?)
+}
+
+/// A sentence where the folder is missing that a path is to lie in.
+fn check_parent(path: &Path) -> Result<(), SaveError> {
+    let folder = parent(path);
+    if folder.is_dir() { Ok(()) } else { Err(SaveError::NoFolder(folder.to_owned())) }
 }
 
 /// Whether two paths are one file, by whatever names.
@@ -60,77 +71,6 @@ pub fn free_path(path: &Path) -> PathBuf {
         return path.to_owned();
     }
     (2..).map(with).find(|free| !free.exists()).unwrap_or_else(|| path.to_owned())
-}
-
-/// A file beside its target. Without a name where the system can do that, so that even a kill leaves nothing.
-enum Aside {
-    #[cfg(target_os = "linux")]
-    Nameless {
-        file: File,
-        folder: PathBuf,
-    },
-    Named(tempfile::NamedTempFile),
-}
-
-impl Aside {
-    fn new(folder: &Path) -> io::Result<Self> {
-        #[cfg(target_os = "linux")]
-        if let Ok(file) = nameless(folder) {
-            return Ok(Self::Nameless { file, folder: folder.to_owned() });
-        }
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".plenoscope-").suffix(".part");
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        builder.tempfile_in(folder).map(Self::Named)
-    }
-
-    fn file(&mut self) -> &mut File {
-        match self {
-            #[cfg(target_os = "linux")]
-            Self::Nameless { file, .. } => file,
-            Self::Named(file) => file.as_file_mut(),
-        }
-    }
-
-    fn put(self, path: &Path) -> io::Result<()> {
-        match self {
-            #[cfg(target_os = "linux")]
-            Self::Nameless { file, folder } => link(&file, path)
-                .or_else(|error| if path.exists() { replace(&file, &folder, path) } else { Err(error) }),
-            Self::Named(file) => file.persist(path).map(drop).map_err(|failed| failed.error),
-        }
-    }
-}
-
-#[cfg(target_os = "linux")]
-fn nameless(folder: &Path) -> io::Result<File> {
-    use rustix::fs::{Mode, OFlags};
-    let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
-    let file = File::from(rustix::fs::open(folder, flags, Mode::from_raw_mode(0o666))?);
-    // Where there is no /proc the file could never get a name.
-    Path::new("/proc/self/fd").exists().then_some(file).ok_or_else(|| io::ErrorKind::Unsupported.into())
-}
-
-#[cfg(target_os = "linux")]
-fn link(file: &File, path: &Path) -> io::Result<()> {
-    use rustix::fs::{AtFlags, CWD};
-    use std::os::fd::AsRawFd;
-    let open = format!("/proc/self/fd/{}", file.as_raw_fd());
-    Ok(rustix::fs::linkat(CWD, open.as_str(), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
-}
-
-/// A name can be given, not taken over: link under a name aside, then rename.
-#[cfg(target_os = "linux")]
-fn replace(file: &File, folder: &Path, path: &Path) -> io::Result<()> {
-    let name = format!(".plenoscope-{}-{:?}.part", std::process::id(), std::time::Instant::now());
-    let clean: String = name.chars().filter(|c| c.is_ascii_alphanumeric() || matches!(c, '.' | '-')).collect();
-    let aside = folder.join(clean);
-    link(file, &aside)?;
-    std::fs::rename(&aside, path).inspect_err(|_| {
-        // The rename's error is the one to tell; a name that stays behind is all that this can add.
-        let _ = std::fs::remove_file(&aside);
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Pictures into files: PNG and TIFF with 8 or 16 bits, JPEG, WebP, with what the photo's file said about it.
 //!
-//! [`atomic()`] is how every file of this program is written.
+//! [`atomic()`] and [`folder()`] are how everything is written that a person keeps.
 
 mod animation;
 mod atomic;
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::field::{Metadata, Photo, Picture, Transfer};
 
 pub use animation::{AnimationOptions, animation};
-pub use atomic::{atomic, free_path, same_file};
+pub use atomic::{atomic, folder, free_path, same_file};
 pub use encode::encode;
 
 pub use crate::field::{Pixels, Samples};

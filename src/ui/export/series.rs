@@ -7,7 +7,7 @@ use super::super::finals::scene_of;
 use super::Moving;
 use super::work::{AnyError, Request};
 use crate::field::Photo;
-use crate::io::save::{AnimationOptions, SaveError};
+use crate::io::save::{self, AnimationOptions};
 use crate::job::Job;
 use crate::render::lens::{Scene, revealed};
 use crate::series::{self, Movement};
@@ -26,31 +26,15 @@ fn scene(request: &Request) -> Result<Scene, AnyError> {
     Ok(scene_of(&photo, depths)?.with_behind(revealed(&request.field, depths)))
 }
 
-/// A folder of frames from far to near, everything sharp, and the number of each pixel's sharpest frame. The folder is
-/// written aside, then renamed.
+/// A folder of frames from far to near, everything sharp, and the number of each pixel's sharpest frame.
 pub fn focal_stack(target: &Path, request: &Request, job: &Job) -> Result<(), AnyError> {
     let scene = scene(request)?;
     let size = request.settings.picture.size.of(scene.photo().size());
-    let fail = |error: std::io::Error| SaveError::from_io(&error, target);
-    let parent = target.parent().unwrap_or(Path::new("."));
-    let aside = tempfile::Builder::new().prefix(".plenoscope-").tempdir_in(parent).map_err(fail)?;
-    series::focal_stack(&scene, &request.edit.lens, size, request.settings.frames, aside.path(), job)?;
-    Ok(put_in_place(aside, target).map_err(fail)?)
-}
-
-/// Gives a folder its name; an older one of that name, which a person asked to replace, goes only then.
-fn put_in_place(aside: tempfile::TempDir, target: &Path) -> std::io::Result<()> {
-    #[cfg(unix)]
-    std::fs::set_permissions(aside.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755))?;
-    if !target.exists() {
-        return std::fs::rename(aside.keep(), target);
-    }
-    // Into a folder that is there go the files alone: a person's other files stay.
-    for file in std::fs::read_dir(aside.path())? {
-        let file = file?;
-        std::fs::rename(file.path(), target.join(file.file_name()))?;
-    }
-    Ok(())
+    save::folder(
+        target,
+        |_| false,
+        |folder| Ok(series::focal_stack(&scene, &request.edit.lens, size, request.settings.frames, folder, job)?),
+    )
 }
 
 /// A focus pull, an aperture ramp or a circle of viewpoints.
