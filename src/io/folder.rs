@@ -3,9 +3,9 @@
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
-/// Suffixes that are offered when a folder is walked; what a file is, its content says when it is opened.
-pub const PICTURE_SUFFIXES: [&str; 15] =
-    ["jpg", "jpeg", "png", "webp", "tif", "tiff", "bmp", "gif", "heic", "heif", "hif", "avif", "mpo", "ppm", "lfp"];
+use super::file_type::FileType;
+use super::formats::file_types;
+use crate::aside::parent;
 
 /// `a` before `b` as people count: `img2` before `img10`, upper and lower case alike.
 pub fn natural_order(a: &str, b: &str) -> Ordering {
@@ -55,7 +55,8 @@ pub fn pictures(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
 fn is_picture(path: &Path) -> bool {
     let suffix = path.extension().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
     let stem = path.file_stem().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
-    PICTURE_SUFFIXES.contains(&suffix.as_str()) && !stem.ends_with("_depth") && !stem.starts_with('.') && path.is_file()
+    let has_photo = |kind: &FileType| kind.map.is_none() && kind.suffixes.contains(&suffix.as_str());
+    file_types().any(has_photo) && !stem.ends_with("_depth") && !stem.starts_with('.') && path.is_file()
 }
 
 fn name(path: &Path) -> String {
@@ -64,8 +65,7 @@ fn name(path: &Path) -> String {
 
 /// The picture before and the one after `current` in its folder.
 pub fn neighbours(current: &Path) -> std::io::Result<(Option<PathBuf>, Option<PathBuf>)> {
-    let folder = current.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut all = pictures(folder)?;
+    let mut all = pictures(parent(current))?;
     let place = all.iter().position(|path| path.file_name() == current.file_name());
     let Some(at) = place else { return Ok((None, None)) };
     let next = (at + 1 < all.len()).then(|| all.swap_remove(at + 1));

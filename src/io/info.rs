@@ -17,6 +17,18 @@ pub enum Opened {
     LightField(Box<LightFieldFile>),
 }
 
+impl From<LightFieldFile> for Opened {
+    fn from(file: LightFieldFile) -> Self {
+        Self::LightField(Box::new(file))
+    }
+}
+
+impl From<PhotoFile> for Opened {
+    fn from(file: PhotoFile) -> Self {
+        Self::Photo(Box::new(file))
+    }
+}
+
 impl Opened {
     /// What the file is.
     pub fn info(&self) -> &FileInfo {

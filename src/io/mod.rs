@@ -11,6 +11,7 @@
 mod data_tests;
 mod error;
 mod exif;
+mod file_type;
 pub mod folder;
 pub mod formats;
 mod info;
@@ -19,7 +20,6 @@ mod open;
 mod raster;
 pub mod sample;
 pub mod save;
-mod sniff;
 #[cfg(test)]
 mod tests;
 mod xmp;

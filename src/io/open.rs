@@ -5,10 +5,11 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::formats::{self, lytro, phone};
+use super::file_type::FileType;
+use super::formats;
 use super::raster::{self, Raster};
-use super::sniff::{Sniffed, sniff};
 use super::{DepthInfo, EmbeddedDepth, FileInfo, FileKind, OpenError, Opened, PhotoFile, Problem, exif, folder};
+use crate::aside::parent;
 use crate::field::Photo;
 use crate::job::{Cancel, Job, Stage};
 
@@ -42,24 +43,20 @@ fn open_path(path: &Path, job: &Job) -> Result<Opened, Problem> {
         return open_folder(path, job);
     }
     if formats::is_index_file(path) {
-        return open_folder(path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")), job);
+        return open_folder(parent(path), job);
     }
     let bytes = read_file(path)?;
     job.check()?;
     let mut opened = open_content(&bytes, Some(path), job)?;
-    if let Opened::Photo(file) = &mut opened
-        && file.depth.is_none()
-    {
-        let beside = phone::side_file::find(path, &file.photo);
-        beside.depth.into_iter().for_each(|depth| file.set_depth(depth));
-        beside.warning.into_iter().for_each(|text| file.warn(text));
+    if let Opened::Photo(file) = &mut opened {
+        formats::add_depth_beside(path, file);
     }
     Ok(opened)
 }
 
 fn open_folder(path: &Path, job: &Job) -> Result<Opened, Problem> {
-    if let Some(file) = formats::read_folder(path, job)? {
-        return Ok(Opened::LightField(Box::new(file)));
+    if let Some(opened) = formats::read_folder(path, job)? {
+        return Ok(opened);
     }
     let first = folder::pictures(path)?.into_iter().next().ok_or(Problem::EmptyFolder)?;
     open_path(&first, job).map_err(Problem::of(&first))
@@ -69,9 +66,7 @@ fn open_folder(path: &Path, job: &Job) -> Result<Opened, Problem> {
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     let mut head = Vec::new();
     File::open(path)?.take(64).read_to_end(&mut head)?;
-    if !head.is_empty() && sniff(&head).is_none() {
-        return Err(Problem::Unknown);
-    }
+    FileType::of(&head)?;
     read_up_to(path, MAX_FILE_BYTES)
 }
 
@@ -85,37 +80,21 @@ pub(crate) fn read_up_to(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Problem
 }
 
 fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, Problem> {
-    if bytes.is_empty() {
-        return Err(Problem::Empty);
+    let kind = FileType::of(bytes)?;
+    match formats::read_within(bytes, name, job)? {
+        Some(file) => Ok(file.into()),
+        None => Ok(kind.open(bytes)?.with_source(name).into()),
     }
-    let format = sniff(bytes).ok_or(Problem::Unknown)?;
-    if let Some(file) = formats::read_single(bytes, format, name, job)? {
-        return Ok(Opened::LightField(Box::new(file)));
-    }
-    let file = match format {
-        Sniffed::Pfm => {
-            return Err(Problem::Unsupported {
-                format: "PFM",
-                reason: "it is a map of numbers, not a picture".to_owned(),
-                advice: "open its photo, and give this file as the photo's disparity",
-            });
-        }
-        Sniffed::Lfp => lytro::open(bytes)?,
-        Sniffed::Heif => phone::heic::open(bytes)?,
-        Sniffed::Jpeg => phone::jpeg::open(bytes)?,
-        format => PhotoFile::from_raster(raster::decode(bytes, format)?, format)?,
-    };
-    Ok(Opened::Photo(Box::new(file.with_source(name))))
 }
 
 impl PhotoFile {
     /// A photo without depth.
-    pub(crate) fn from_raster(raster: Raster, format: Sniffed) -> Result<Self, Problem> {
+    pub(crate) fn from_raster(raster: Raster, format: &'static str) -> Result<Self, Problem> {
         let (photo, warnings) = raster.into_photo()?;
         let metadata = photo.metadata();
         let info = FileInfo {
             kind: FileKind::Photo,
-            format: format.name(),
+            format,
             size: photo.size(),
             views: None,
             orientation: metadata.orientation,
@@ -142,7 +121,7 @@ impl PhotoFile {
         self.warnings.push(text);
     }
 
-    fn with_source(mut self, name: Option<&Path>) -> Self {
+    pub(super) fn with_source(mut self, name: Option<&Path>) -> Self {
         if let Some(name) = name {
             self.photo = Arc::new(Photo::clone(&self.photo).with_source(name));
         }

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use image::ImageFormat;
-use plenoscope::io::formats::{FieldToWrite, views};
+use plenoscope::io::formats::{FieldToWrite, TABLE, views};
 use plenoscope::io::{self, Opened};
 use plenoscope::job::{Cancel, Job};
 
 use crate::harness::{run, run_within};
+use crate::seeds::As;
 use crate::{field, open, open_path, seeds};
 
 fn refused(what: &str, bytes: &[u8]) -> String {
@@ -30,24 +31,13 @@ fn patched(mut bytes: Vec<u8>, marker: &[u8], skip: usize, numbers: &[u8]) -> Ve
 
 #[test]
 fn twenty_cuts_of_every_file() {
-    use ImageFormat::{Bmp, Jpeg, Png, Pnm, Tiff, WebP};
-    let stills = [Png, Jpeg, WebP, Tiff, Bmp, Pnm].map(|format| (format!("{format:?}"), seeds::still(format)));
-    let others = [
-        ("gdepth", seeds::gdepth()),
-        ("dynamic depth", seeds::dynamic_depth()),
-        ("apple", seeds::apple()),
-        ("heic", seeds::heic()),
-        ("avif", seeds::avif()[0].clone()),
-        ("avif grid", seeds::avif()[3].clone()),
-        ("pfm", seeds::pfm()),
-        ("lfp", seeds::lfp([&seeds::jpeg(&[]), &seeds::jpeg(&[])], &seeds::lfp_table(), r#""width":2,"height":2"#)),
-    ];
-    for (name, whole) in stills.into_iter().chain(others.map(|(name, whole)| (name.to_owned(), whole))) {
+    let seeds = TABLE.iter().flat_map(|line| seeds::of(line.name)).filter(|seed| matches!(seed.opened, As::File(_)));
+    for (name, whole) in seeds.flat_map(|seed| seed.whole.into_iter().map(move |whole| (seed.parser.clone(), whole))) {
         let last = whole.iter().rposition(|byte| *byte != 0).unwrap();
         for n in 0..20 {
             let what = format!("{name} cut at {n}/20");
             let Ok(opened) = run(&what, || open(&whole[..last * n / 20])) else { continue };
-            let depth_is_behind = matches!(name.as_str(), "dynamic depth" | "apple" | "heic");
+            let depth_is_behind = matches!(name.as_str(), "dynamic-depth" | "apple" | "heic" | "spatial");
             let told = !opened.info().warnings.is_empty() || opened.info().embedded_depth.is_none();
             assert!(depth_is_behind && told, "{what}: {:?}", opened.info());
         }

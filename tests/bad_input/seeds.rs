@@ -2,11 +2,103 @@
 
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 use jpeg_encoder::{ColorType as JpegColor, Encoder as JpegEncoder};
 use plenoscope::field::{DisparityMap, View};
 use plenoscope::io::formats::depth_out::{self, Seen};
+use plenoscope::io::formats::{FieldToWrite, Writer, by_id};
+use plenoscope::job::{Cancel, Job};
+use tempfile::TempDir;
+
+/// Whole files for one parser.
+pub struct Seed {
+    pub parser: String,
+    pub opened: As,
+    pub whole: Vec<Vec<u8>>,
+}
+
+/// How a file is opened.
+pub enum As {
+    /// By itself, under a name.
+    File(&'static str),
+    /// As a map of depth or disparity.
+    Map,
+    /// As a file of a folder, of which `open` is opened.
+    In { folder: Arc<TempDir>, file: &'static str, open: &'static str },
+}
+
+/// The seeds of a line of the table; none where the line is not known here.
+pub fn of(line: &str) -> Vec<Seed> {
+    use ImageFormat::{Bmp, Gif, Jpeg, Png, Pnm, Tiff, WebP};
+    let seed = |parser: &str, opened, whole| Seed { parser: parser.to_owned(), opened, whole };
+    let file = |parser, name, whole: Vec<Vec<u8>>| vec![seed(parser, As::File(name), whole)];
+    match line {
+        "photo: JPEG, PNG, TIFF, WebP" => vec![
+            seed("jpeg", As::File("a.jpg"), vec![still(Jpeg), jpeg(&[exif(0)])]),
+            seed("png", As::File("a.png"), vec![still(Png)]),
+            seed("stills", As::File("a"), [Tiff, WebP].map(still).to_vec()),
+        ],
+        "photo: HEIC, AVIF, BMP, PNM, GIF (first frame)" => vec![
+            seed("heic", As::File("a.heic"), vec![heic()]),
+            seed("avif", As::File("a.avif"), avif().to_vec()),
+            seed("stills-2", As::File("a"), [Bmp, Pnm, Gif].map(still).to_vec()),
+        ],
+        "HCI 4-D benchmark scene" => folder("hci", &["parameters.cfg", "gt_disp_lowres.pfm"]),
+        "Stanford archive" => folder("stanford", &["out_01_00_-0.000000_-1.000000.png"]),
+        name if name.starts_with("folder of views (`view_V_U.png`") => {
+            folder("views", &["lightfield.json", "view_1_0.png", "disparity_0_1.pfm"])
+        }
+        "folder of views with other names" => {
+            let seeds = folder("views", &["view_1_0.png"]);
+            if let As::In { folder, .. } = &seeds[0].opened {
+                std::fs::remove_file(folder.path().join("lightfield.json")).unwrap();
+            }
+            seeds.into_iter().map(|seed| Seed { parser: "other-views".to_owned(), ..seed }).collect()
+        }
+        "Looking Glass quilt" => file("quilt", "q_qs4x2a1.5.png", vec![still(Png)]),
+        "ESLF lenslet picture" => file("eslf", "a_eslf.png", vec![written("x.png", |path| write("eslf", path))]),
+        "depth map: PFM" => vec![seed("pfm", As::Map, vec![pfm(), b"Pf\n# by hand\n2 1\n2.0\n01234567".to_vec()])],
+        "depth map: 16-bit PNG" => vec![seed("depth-map", As::Map, vec![still(Png)])],
+        "phone depth: GDepth" => file("gdepth", "a.jpg", vec![gdepth()]),
+        "phone depth: Dynamic Depth" => file("dynamic-depth", "a.jpg", vec![dynamic_depth()]),
+        // Both are in what the HEIC parser reads too.
+        "phone depth: Apple portrait (HEIC, JPEG)" => file("apple", "a.jpg", vec![apple()]),
+        "phone depth: spatial photo (HEIC)" => file("spatial", "a.heic", vec![heic()]),
+        "phone depth: file beside the photo (`_DEPTH`)" => {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("a.jpg"), jpeg(&[])).unwrap();
+            let opened = As::In { folder: Arc::new(folder), file: "a_depth.pfm", open: "a.jpg" };
+            vec![seed("side-file", opened, vec![pfm()])]
+        }
+        "processed Lytro file (`-stk.lfp`)" => {
+            let pictures = [still(Jpeg), jpeg(&[])];
+            file("lfp", "a.lfp", vec![lfp([&pictures[0], &pictures[1]], &lfp_table(), r#""width":2,"height":2"#)])
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// A folder that the program writes, and a seed for each of these files in it.
+fn folder(id: &str, files: &[&'static str]) -> Vec<Seed> {
+    let folder = Arc::new(tempfile::tempdir().unwrap());
+    write(id, folder.path());
+    let seed = |&file: &&'static str| Seed {
+        parser: format!("{id}-{file}"),
+        whole: vec![std::fs::read(folder.path().join(file)).unwrap()],
+        opened: As::In { folder: Arc::clone(&folder), file, open: "" },
+    };
+    files.iter().map(seed).collect()
+}
+
+/// Writes a small light field in a format of the table.
+fn write(id: &str, path: &Path) {
+    let (field, depths) = crate::field();
+    let source = FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) };
+    let Some(Writer::Field(write)) = by_id(id).unwrap().writer else { panic!("{id} holds a light field") };
+    write(path, &source, &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
+}
 
 pub const SIZE: [u32; 2] = [24, 16];
 

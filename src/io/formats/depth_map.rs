@@ -6,12 +6,10 @@
 use std::path::Path;
 
 use crate::field::DisparityMap;
+use crate::io::file_type::FileType;
 use crate::io::open::read_file;
-use crate::io::raster::{self, Samples};
-use crate::io::sniff::{Sniffed, sniff};
+use crate::io::raster;
 use crate::io::{OpenError, Problem};
-
-use super::pfm;
 
 /// Which end of a map's values is near.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,17 +44,11 @@ pub fn read(path: &Path) -> Result<DepthMap, OpenError> {
 
 /// Reads a map from memory.
 pub(crate) fn parse(bytes: &[u8]) -> Result<DepthMap, Problem> {
-    let format = sniff(bytes).ok_or(if bytes.is_empty() { Problem::Empty } else { Problem::Unknown })?;
-    if format == Sniffed::Pfm {
-        let map = pfm::parse_pfm(bytes)?;
-        return Ok(DepthMap { size: map.size, values: map.disparity_px, is_disparity: true });
+    if let Some(read) = FileType::of(bytes)?.map {
+        return read(bytes);
     }
-    let raster = raster::decode(bytes, format)?;
-    let values: Vec<f32> = match raster.samples {
-        Samples::Eight(px) => px.iter().map(|px| f32::from(px[0]) / 255.0).collect(),
-        Samples::Sixteen(px) => px.iter().map(|px| f32::from(px[0]) / 65_535.0).collect(),
-    };
-    let (size, values) = raster::orient(values, raster.size, raster.orientation);
+    let raster = raster::decode(bytes)?;
+    let (size, values) = raster::orient(raster.gray(), raster.size, raster.orientation);
     Ok(DepthMap { size, values, is_disparity: false })
 }
 
@@ -95,6 +87,7 @@ impl DepthMap {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pfm;
     use super::*;
 
     /// 2×6, 16 bits, brighter downwards.

@@ -8,9 +8,8 @@ use png::{BitDepth, ColorType};
 
 use super::out::{self, FieldToWrite};
 use crate::field::{LightField, View, ViewGrid, ViewIndex};
-use crate::io::raster;
+use crate::io::raster::{self, still::PNG, still::TIFF};
 use crate::io::save::SaveError;
-use crate::io::sniff::Sniffed;
 use crate::io::{FileInfo, LightFieldFile, Problem};
 use crate::job::{Job, Stage};
 
@@ -26,25 +25,20 @@ const DARK: f32 = 0.25;
 pub const DARK_GAMMA: f32 = 0.4;
 
 /// Reads a lenslet picture; `None` where the picture is none.
-pub(super) fn read(
-    bytes: &[u8],
-    format: Sniffed,
-    name: Option<&Path>,
-    job: &Job,
-) -> Result<Option<LightFieldFile>, Problem> {
-    if !matches!(format, Sniffed::Png | Sniffed::Tiff) {
+pub(super) fn read(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
+    if ![PNG, TIFF].iter().any(|kind| (kind.begins)(bytes)) {
         return Ok(None);
     }
     let noted = lenslet_chunk(bytes);
     let named =
         name.and_then(Path::file_stem).is_some_and(|stem| stem.to_string_lossy().to_lowercase().contains("eslf"));
-    let [width, height] = raster::header_size(bytes, format)?;
+    let [width, height] = raster::header_size(bytes)?;
     // An Illum's picture, whole (7574×5264) or cropped to whole blocks.
     let by_size = width >= 2800 && height >= 2800 && width % 14 == 0 && height % 14 == 0;
     if noted.is_none() && !named && !by_size {
         return Ok(None);
     }
-    let (size, pixels) = raster::decode_rgba8(bytes, format)?;
+    let (size, pixels) = raster::decode_rgba8(bytes)?;
     job.check()?;
     let Some(block) = noted.or_else(|| guess_block(&pixels, size)) else {
         return if named { Err(Problem::damaged(FORMAT, "no period of lenslets is found in it")) } else { Ok(None) };

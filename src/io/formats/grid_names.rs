@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use super::file_types;
 use crate::field::ViewGrid;
 use crate::io::Problem;
 
@@ -17,8 +18,6 @@ pub(super) struct GridFiles {
     /// Whether the names hold one running number only, so that it is a guess that they are views at all.
     pub(super) running: bool,
 }
-
-const SUFFIXES: [&str; 10] = ["png", "jpg", "jpeg", "ppm", "bmp", "tif", "tiff", "webp", "pgm", "gif"];
 
 /// A name's pattern and the numbers in it.
 fn split_numbers(stem: &str) -> (String, Vec<u64>) {
@@ -49,7 +48,7 @@ fn families(folder: &Path) -> std::io::Result<BTreeMap<String, Family>> {
     for entry in std::fs::read_dir(folder)? {
         let path = entry?.path();
         let suffix = path.extension().map(|s| s.to_string_lossy().to_lowercase()).unwrap_or_default();
-        if !SUFFIXES.contains(&suffix.as_str()) {
+        if !file_types().any(|kind| kind.pixels.is_some() && kind.suffixes.contains(&suffix.as_str())) {
             continue;
         }
         let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();

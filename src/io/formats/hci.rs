@@ -18,11 +18,11 @@ use super::{pfm, views};
 use crate::field::{RayDepths, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_up_to};
 use crate::io::save::{self, SaveError};
-use crate::io::{FileInfo, LightFieldFile, Problem};
+use crate::io::{FileInfo, LightFieldFile, Opened, Problem};
 use crate::job::Job;
 
 const FORMAT: &str = "HCI 4-D benchmark";
-const CONFIG: &str = "parameters.cfg";
+pub(super) const CONFIG: &str = "parameters.cfg";
 
 /// The numbers of `parameters.cfg`, by name; sections do not matter, as no name is in two of them.
 fn parse_config(text: &str) -> HashMap<String, String> {
@@ -32,7 +32,7 @@ fn parse_config(text: &str) -> HashMap<String, String> {
 }
 
 /// Reads a benchmark folder; `None` where the folder is none.
-pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
+pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
     let has_views = folder.join("input_Cam000.png").is_file() || folder.join("input_Cam001.png").is_file();
     if !folder.join(CONFIG).is_file() && !has_views {
         return Ok(None);
@@ -72,7 +72,7 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
         None
     };
     info.warnings.clone_from(&warnings);
-    Ok(Some(LightFieldFile { reference_disparity, ..LightFieldFile::new(Arc::new(field), depths, info) }))
+    Ok(Some(LightFieldFile { reference_disparity, ..LightFieldFile::new(Arc::new(field), depths, info) }.into()))
 }
 
 /// The view that the benchmark's tools take for the centre.

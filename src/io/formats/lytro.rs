@@ -7,11 +7,21 @@ use std::collections::HashMap;
 
 use serde_json::Value;
 
+use crate::io::file_type::FileType;
 use crate::io::raster;
-use crate::io::sniff::{LFP_MAGIC, Sniffed, sniff};
 use crate::io::{DepthKind, EmbeddedDepth, PhotoFile, Problem};
 
 const FORMAT: &str = "Lytro LFP";
+/// Lytro's containers.
+pub(crate) const TYPE: FileType = FileType {
+    name: FORMAT,
+    suffixes: &["lfp"],
+    begins: |bytes| bytes.starts_with(&MAGIC[..4]),
+    photo: Some(open),
+    ..FileType::UNKNOWN
+};
+/// The first bytes of a container.
+const MAGIC: [u8; 12] = *b"\x89LFP\x0d\x0a\x1a\x0a\0\0\0\x01";
 const TABLE: &[u8; 4] = b"\x89LFM";
 const DATA: &[u8; 4] = b"\x89LFC";
 /// Magic, length, name with zeros.
@@ -34,7 +44,7 @@ fn parse(bytes: &[u8]) -> Result<Container<'_>, Problem> {
     if bytes.len() < 16 {
         return Err(truncated());
     }
-    if !bytes.starts_with(&LFP_MAGIC[..8]) {
+    if !bytes.starts_with(&MAGIC[..8]) {
         return Err(damaged("its head is not that of an LFP file"));
     }
     let mut at = 16;
@@ -77,7 +87,7 @@ struct Slice<'a> {
 }
 
 /// Opens a processed file: the picture focused nearest to the camera's own focus, and the depth table.
-pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
+fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let container = parse(bytes)?;
     let mut slices = Vec::new();
     let mut depth = None;
@@ -97,10 +107,7 @@ pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
             advice: "export it as ESLF or as views with Lytro Desktop or lfptool, and open that",
         });
     };
-    let format =
-        sniff(middle.bytes).filter(|f| *f == Sniffed::Jpeg).ok_or_else(|| damaged("its pictures are no JPEG"))?;
-    let mut file = PhotoFile::from_raster(raster::decode(middle.bytes, format)?, format)?;
-    file.info.format = FORMAT;
+    let mut file = PhotoFile::from_raster(raster::jpeg::decode(middle.bytes)?, FORMAT)?;
     let note = format!(
         "{} pictures, focus from {:.1} to {:.1}",
         slices.len(),
@@ -187,7 +194,7 @@ mod tests {
             r#"{{"picture":{{"accelerationArray":[{{"vendorContent":{{"depthLut":{{"width":2,"height":2,"imageRef":"{lut}"}},
             "imageArray":[{{"imageRef":"{far}","lambda":7.5}},{{"imageRef":"{sharp}","lambda":-0.5}}]}}}}]}}}}"#
         );
-        let mut file = LFP_MAGIC.to_vec();
+        let mut file = MAGIC.to_vec();
         file.extend([0; 4]);
         for part in [section(TABLE, json.as_bytes()).1, far_section, sharp_section, lut_section] {
             file.extend(part);
@@ -217,7 +224,7 @@ mod tests {
 
     #[test]
     fn raw_files_are_refused_with_advice() {
-        let mut file = LFP_MAGIC.to_vec();
+        let mut file = MAGIC.to_vec();
         file.extend([0; 4]);
         file.extend(section(TABLE, br#"{"frames":[]}"#).1);
         assert!(matches!(open(&file), Err(Problem::Unsupported { .. })));

@@ -22,11 +22,52 @@ pub mod views;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::sniff::Sniffed;
-use super::{LightFieldFile, Problem};
+use heifer::heifer_isobmff::HeifFile;
+
+use super::file_type::FileType;
+use super::raster::{avif, still};
+use super::save::SaveError;
+use super::{EmbeddedDepth, LightFieldFile, Opened, PhotoFile, Problem};
+use crate::field::Photo;
 use crate::job::Job;
+use phone::{apple, dynamic, gdepth, heic, jpeg, side_file, spatial};
 
 pub use out::FieldToWrite;
+
+/// How a format is told from others, and what opens it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Reader {
+    /// Files that their first bytes tell.
+    Files(&'static [FileType]),
+    /// A light field within one picture: told by what is in it, or by its name.
+    Within(fn(&[u8], Option<&Path>, &Job) -> Result<Option<LightFieldFile>, Problem>),
+    /// A folder: the file that stands for it, and what opens it if it is such a one.
+    Folder(Option<&'static str>, fn(&Path, &Job) -> Result<Option<Opened>, Problem>),
+    /// Depth in the photo of another line.
+    Depth(DepthIn),
+    /// Depth in a file beside a photo.
+    Beside(fn(&Path, &Photo) -> side_file::Found),
+    /// A picture of another line, given as a map: see [`depth_map`].
+    AsMap,
+}
+
+/// What looks for depth in a photo's file; `None` where it is of another kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DepthIn {
+    /// In a JPEG.
+    pub(crate) jpeg: Option<fn(&jpeg::Extras) -> Option<Result<EmbeddedDepth, String>>>,
+    /// In a HEIC.
+    pub(crate) heic: Option<fn(&HeifFile, &[u8]) -> Option<Result<EmbeddedDepth, String>>>,
+}
+
+/// What writes a format.
+#[derive(Clone, Copy, Debug)]
+pub enum Writer {
+    /// A whole light field.
+    Field(fn(&Path, &FieldToWrite, &Job) -> Result<(), SaveError>),
+    /// What is made from one; the module that does it.
+    Made(&'static str),
+}
 
 /// What of a light field survives being written and read again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,61 +89,94 @@ pub struct Entry {
     pub id: &'static str,
     /// What people call it.
     pub name: &'static str,
-    /// Where it is read, the module that does it.
-    pub reader: Option<&'static str>,
-    /// Where it is written, the module that does it.
-    pub writer: Option<&'static str>,
+    /// How it is told and opened, where it is read.
+    pub(crate) reader: Option<Reader>,
+    /// What writes it, where it is written.
+    pub writer: Option<Writer>,
     /// What comes back.
     pub keeps: Keeps,
     /// The suffix of a written file; none for a folder.
     pub suffix: Option<&'static str>,
 }
 
-/// Who reads and writes what. The README's table has the same lines; a test compares them.
-pub const TABLE: [Entry; 19] = [
-    both("refocus", "photo: JPEG, PNG, TIFF, WebP", "raster", Keeps::Made, Some("jpg")),
-    read_only("photo: HEIC, AVIF, BMP, PNM, GIF (first frame)", "raster"),
-    both(
+/// Who reads and writes what: [`open`](fn@super::open) walks it from the top, so what is told by more stands higher. The
+/// README's table has the same lines; a test compares them.
+pub static TABLE: [Entry; 19] = [
+    made("refocus", "photo: JPEG, PNG, TIFF, WebP", "save", "jpg").read(Reader::Files(&[
+        jpeg::TYPE,
+        still::PNG,
+        still::TIFF,
+        still::WEBP,
+    ])),
+    read(
+        "photo: HEIC, AVIF, BMP, PNM, GIF (first frame)",
+        Reader::Files(&[heic::TYPE, avif::TYPE, still::BMP, still::PNM, still::GIF]),
+    ),
+    field("hci", "HCI 4-D benchmark scene", Keeps::ViewsAndDepths, None, hci::write)
+        .read(Reader::Folder(Some(hci::CONFIG), hci::read)),
+    field("stanford", "Stanford archive", Keeps::Views, None, stanford::write)
+        .read(Reader::Folder(None, stanford::read)),
+    field(
         "views",
         "folder of views (`view_V_U.png`, `disparity_V_U.pfm`, `lightfield.json`)",
-        "views",
         Keeps::ViewsAndDepths,
         None,
+        views::write,
+    )
+    .read(Reader::Folder(Some(views::INDEX_FILE), views::read)),
+    read("folder of views with other names", Reader::Folder(None, views::read_any)),
+    made("quilt", "Looking Glass quilt", "quilt", "png").read(Reader::Within(quilt::read)),
+    field("eslf", "ESLF lenslet picture", Keeps::Views, Some("png"), eslf::write).read(Reader::Within(eslf::read)),
+    Entry { keeps: Keeps::OneMap, ..made(".pfm", "depth map: PFM", "depth_out", "pfm") }
+        .read(Reader::Files(&[pfm::TYPE])),
+    made(".png", "depth map: 16-bit PNG", "depth_out", "png").read(Reader::AsMap),
+    read("phone depth: Dynamic Depth", Reader::Depth(DepthIn { jpeg: Some(dynamic::read), heic: None })),
+    made("gdepth", "phone depth: GDepth", "depth_out", "jpg")
+        .read(Reader::Depth(DepthIn { jpeg: Some(gdepth::read), heic: None })),
+    read(
+        "phone depth: Apple portrait (HEIC, JPEG)",
+        Reader::Depth(DepthIn { jpeg: Some(apple::read_jpeg), heic: Some(heic::read_depth) }),
     ),
-    both("hci", "HCI 4-D benchmark scene", "hci", Keeps::ViewsAndDepths, None),
-    both("stanford", "Stanford archive", "stanford", Keeps::Views, None),
-    both("eslf", "ESLF lenslet picture", "eslf", Keeps::Views, Some("png")),
-    both("quilt", "Looking Glass quilt", "quilt", Keeps::Made, Some("png")),
-    both(".pfm", "depth map: PFM", "pfm", Keeps::OneMap, Some("pfm")),
-    both(".png", "depth map: 16-bit PNG", "depth_map", Keeps::Made, Some("png")),
-    both("gdepth", "phone depth: GDepth", "phone::gdepth", Keeps::Made, Some("jpg")),
-    read_only("folder of views with other names", "grid_names"),
-    read_only("phone depth: Dynamic Depth", "phone::dynamic"),
-    read_only("phone depth: Apple portrait (HEIC, JPEG)", "phone::apple"),
-    read_only("phone depth: spatial photo (HEIC)", "phone::spatial"),
-    read_only("phone depth: file beside the photo (`_DEPTH`)", "phone::side_file"),
-    read_only("processed Lytro file (`-stk.lfp`)", "lytro"),
-    write_only("side-by-side", "side-by-side stereo", "stereo", "png"),
-    write_only("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),
-    write_only("ply", "PLY point cloud", "ply", "ply"),
+    read("phone depth: spatial photo (HEIC)", Reader::Depth(DepthIn { jpeg: None, heic: Some(spatial::read) })),
+    read("phone depth: file beside the photo (`_DEPTH`)", Reader::Beside(side_file::find)),
+    read("processed Lytro file (`-stk.lfp`)", Reader::Files(&[lytro::TYPE])),
+    made("side-by-side", "side-by-side stereo", "stereo", "png"),
+    made("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),
+    made("ply", "PLY point cloud", "ply", "ply"),
 ];
 
-const fn both(
+const fn read(name: &'static str, reader: Reader) -> Entry {
+    Entry { id: "", name, reader: Some(reader), writer: None, keeps: Keeps::Made, suffix: None }
+}
+
+const fn made(id: &'static str, name: &'static str, module: &'static str, suffix: &'static str) -> Entry {
+    let writer = Some(Writer::Made(module));
+    Entry { id, name, reader: None, writer, keeps: Keeps::Made, suffix: Some(suffix) }
+}
+
+const fn field(
     id: &'static str,
     name: &'static str,
-    module: &'static str,
     keeps: Keeps,
     suffix: Option<&'static str>,
+    write: fn(&Path, &FieldToWrite, &Job) -> Result<(), SaveError>,
 ) -> Entry {
-    Entry { id, name, reader: Some(module), writer: Some(module), keeps, suffix }
+    Entry { id, name, reader: None, writer: Some(Writer::Field(write)), keeps, suffix }
 }
 
-const fn read_only(name: &'static str, module: &'static str) -> Entry {
-    Entry { id: "", name, reader: Some(module), writer: None, keeps: Keeps::Made, suffix: None }
+impl Entry {
+    const fn read(self, reader: Reader) -> Self {
+        Self { reader: Some(reader), ..self }
+    }
+
+    /// Whether it is read.
+    pub fn is_read(&self) -> bool {
+        self.reader.is_some()
+    }
 }
 
-const fn write_only(id: &'static str, name: &'static str, module: &'static str, suffix: &'static str) -> Entry {
-    Entry { id, name, reader: None, writer: Some(module), keeps: Keeps::Made, suffix: Some(suffix) }
+fn readers() -> impl Iterator<Item = Reader> {
+    TABLE.iter().filter_map(|entry| entry.reader)
 }
 
 /// The line of a name on the command line.
@@ -110,31 +184,48 @@ pub fn by_id(id: &str) -> Option<&'static Entry> {
     TABLE.iter().find(|entry| !entry.id.is_empty() && entry.id == id)
 }
 
-/// Files that stand for the folder they lie in.
-pub(crate) fn is_index_file(path: &Path) -> bool {
-    let name = path.file_name().map(|n| n.to_string_lossy().to_lowercase()).unwrap_or_default();
-    matches!(name.as_str(), "lightfield.json" | "parameters.cfg") && path.is_file()
+/// The formats that first bytes tell.
+pub(crate) fn file_types() -> impl Iterator<Item = &'static FileType> {
+    readers().flat_map(|reader| if let Reader::Files(types) = reader { types } else { &[] })
 }
 
-/// A light field in a folder, or `None` where the folder holds none.
-pub(crate) fn read_folder(path: &Path, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
-    if let Some(file) = hci::read(path, job)? {
-        return Ok(Some(file));
-    }
-    views::read(path, job)
+/// Whether a file stands for the folder that it lies in.
+pub(crate) fn is_index_file(path: &Path) -> bool {
+    let name = path.file_name().map(|n| n.to_string_lossy().to_lowercase()).unwrap_or_default();
+    readers().any(|reader| matches!(reader, Reader::Folder(Some(index), _) if index == name)) && path.is_file()
+}
+
+/// What is in a folder, or `None` where it is of no format.
+pub(crate) fn read_folder(path: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
+    let open = |reader| if let Reader::Folder(_, open) = reader { open(path, job).transpose() } else { None };
+    readers().find_map(open).transpose()
 }
 
 /// A light field in one file, or `None` where the file is an ordinary picture.
-pub(crate) fn read_single(
-    bytes: &[u8],
-    format: Sniffed,
-    name: Option<&Path>,
-    job: &Job,
-) -> Result<Option<LightFieldFile>, Problem> {
-    if let Some(file) = quilt::read(bytes, format, name, job)? {
-        return Ok(Some(file));
+pub(crate) fn read_within(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
+    let open = |reader| if let Reader::Within(open) = reader { open(bytes, name, job).transpose() } else { None };
+    readers().find_map(open).transpose()
+}
+
+/// The first depth that a line of the table finds in a photo's file. What is broken is told, and the next line looks.
+pub(crate) fn depth_in(
+    warnings: &mut Vec<String>,
+    read: impl Fn(DepthIn) -> Option<Result<EmbeddedDepth, String>>,
+) -> Option<EmbeddedDepth> {
+    let found = readers().filter_map(|reader| if let Reader::Depth(depth) = reader { read(depth) } else { None });
+    let mut told = |reason| warnings.push(format!("the depth map is left out — {reason}"));
+    found.filter_map(|depth| depth.map_err(&mut told).ok()).next()
+}
+
+/// Looks for depth beside a photo that has none.
+pub(crate) fn add_depth_beside(path: &Path, file: &mut PhotoFile) {
+    for reader in readers() {
+        if let (Reader::Beside(find), None) = (reader, &file.depth) {
+            let beside = find(path, &file.photo);
+            beside.depth.into_iter().for_each(|depth| file.set_depth(depth));
+            beside.warning.into_iter().for_each(|text| file.warn(text));
+        }
     }
-    eslf::read(bytes, format, name, job)
 }
 
 /// Looks whether foreign views lie as we think they do, and turns them where they clearly do not. The person is told,

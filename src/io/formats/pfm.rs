@@ -3,12 +3,24 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use super::depth_map::DepthMap;
 use crate::field::DisparityMap;
+use crate::io::file_type::FileType;
 use crate::io::open::{MAX_FILE_BYTES, read_up_to};
 use crate::io::raster::check_size;
 use crate::io::{OpenError, Problem};
 
 const FORMAT: &str = "PFM";
+/// PFM maps: disparities in px per view step at their own width.
+pub(crate) const TYPE: FileType = FileType {
+    name: FORMAT,
+    suffixes: &["pfm"],
+    begins: |bytes| matches!(bytes, [b'P', b'f' | b'F', b'\n' | b'\r' | b' ', ..]),
+    map: Some(|bytes| {
+        parse_pfm(bytes).map(|map| DepthMap { size: map.size, values: map.disparity_px, is_disparity: true })
+    }),
+    ..FileType::UNKNOWN
+};
 /// A header with comments that somebody wrote by hand.
 const MAX_HEADER_BYTES: u64 = 64 << 10;
 

@@ -13,7 +13,6 @@ use crate::field::color::srgb8_from_linear;
 use crate::field::{LightField, View, ViewGrid, ViewOffset, ViewPoint, bilinear};
 use crate::io::raster;
 use crate::io::save::SaveError;
-use crate::io::sniff::Sniffed;
 use crate::io::{FileInfo, LightFieldFile, Problem};
 use crate::job::{Job, Stage};
 
@@ -65,14 +64,9 @@ fn layout(path: &Path) -> Option<(u32, u32, f32)> {
 }
 
 /// Reads a quilt, told by its name, as one row of views: of more than 17, 17 at even distances.
-pub(super) fn read(
-    bytes: &[u8],
-    format: Sniffed,
-    name: Option<&Path>,
-    job: &Job,
-) -> Result<Option<LightFieldFile>, Problem> {
+pub(super) fn read(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
     let Some((cols, rows, aspect)) = name.and_then(layout) else { return Ok(None) };
-    let ([width, height], pixels) = raster::decode_rgba8(bytes, format)?;
+    let ([width, height], pixels) = raster::decode_rgba8(bytes)?;
     let tile = [width / cols, height / rows];
     if tile[0] == 0 || tile[1] == 0 {
         return Err(Problem::damaged(FORMAT, format!("{width}×{height} pixels hold no {cols}×{rows} tiles")));
@@ -195,10 +189,10 @@ mod tests {
         let job = Job { cancel: &Cancel::default(), sink: &() };
         write(&path, &device, [-4.0, 3.0], &view, &job).unwrap();
         let bytes = std::fs::read(&path).unwrap();
-        let (size, px) = raster::decode_rgba8(&bytes, Sniffed::Png).unwrap();
+        let (size, px) = raster::decode_rgba8(&bytes).unwrap();
         assert_eq!(size, [13, 9]);
         assert_eq!(px[7 * 13][0], 0, "view 0, the leftmost, is black and at the bottom left");
-        let file = read(&bytes, Sniffed::Png, Some(&path), &job).unwrap().unwrap();
+        let file = read(&bytes, Some(&path), &job).unwrap().unwrap();
         let grays: Vec<u8> = file.field.views().iter().map(|view| view.pixel(1, 1)[0]).collect();
         assert!(grays.len() == 6 && grays.is_sorted() && grays[0] == 0 && grays[5] > 200, "{grays:?}");
     }

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::grid_names::GridFiles;
 use super::out::{self, FieldToWrite};
+use super::views;
 use crate::field::{ViewGrid, ViewIndex};
-use crate::io::Problem;
 use crate::io::save::{self, SaveError};
+use crate::io::{Opened, Problem};
 use crate::job::Job;
 
 /// One file's name, taken apart.
@@ -32,11 +33,17 @@ fn parse_name(path: &Path) -> Option<Camera> {
     parts.next().is_none().then_some(camera)
 }
 
+/// Reads an archive's folder; `None` where the names are others.
+pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
+    let Some(files) = find(folder)? else { return Ok(None) };
+    views::read_files("Stanford archive", folder, &files, views::read_index(folder)?, job)
+}
+
 /// The files of an archive's folder in `[v, u]` order; `None` where the names are others.
 ///
 /// Rows and columns are numbers without a direction; the cameras' positions give it: u grows with x, v against y. The
 /// photo-consistency check has the last word.
-pub(super) fn find(folder: &Path) -> Result<Option<GridFiles>, Problem> {
+fn find(folder: &Path) -> Result<Option<GridFiles>, Problem> {
     let mut cameras: Vec<Camera> =
         std::fs::read_dir(folder)?.filter_map(Result::ok).filter_map(|entry| parse_name(&entry.path())).collect();
     if cameras.len() < 2 {

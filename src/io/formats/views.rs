@@ -10,12 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use super::grid_names::{self, GridFiles};
 use super::out::{self, FieldToWrite};
-use super::{layout, pfm, stanford};
+use super::{layout, pfm};
 use crate::field::{LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
 use crate::io::save::{self, SaveError};
-use crate::io::sniff::sniff;
-use crate::io::{FileInfo, LightFieldFile, Problem, raster};
+use crate::io::{FileInfo, LightFieldFile, Opened, Problem, raster};
 use crate::job::{Job, Stage};
 
 /// The index file of a `views` folder.
@@ -29,7 +28,7 @@ const UNRELATED: f32 = 0.05;
 /// The parts of `lightfield.json` that matter to a reader; everything else in it is let be.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
-struct Index {
+pub(super) struct Index {
     grid: Option<[usize; 2]>,
     reference_view: Option<[usize; 2]>,
     disparity_px_min_max: Option<[f32; 2]>,
@@ -39,18 +38,30 @@ struct Index {
     scene: Option<String>,
 }
 
+/// Reads our own folder, which has an index; `None` where there is none.
+pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
+    if folder.join(INDEX_FILE).is_file() { read_any(folder, job) } else { Ok(None) }
+}
+
 /// Reads a folder of views; `None` where its names do not fill a grid.
-pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
-    let (index, index_warning) = read_index(folder)?;
-    let grid = index.grid.map(|[rows, cols]| ViewGrid::new(rows, cols)).transpose()?;
-    let (format, files) = match stanford::find(folder)? {
-        Some(files) => ("Stanford archive", files),
-        None => match grid_names::find(folder, grid)? {
-            Some(files) => (FORMAT, files),
-            None => return Ok(None),
-        },
-    };
-    let field = match read_views(&files, job) {
+pub(super) fn read_any(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
+    let index = read_index(folder)?;
+    let grid = index.0.grid.map(|[rows, cols]| ViewGrid::new(rows, cols)).transpose()?;
+    match grid_names::find(folder, grid)? {
+        Some(files) => read_files(FORMAT, folder, &files, index, job),
+        None => Ok(None),
+    }
+}
+
+/// Reads the files of a folder, if they are views; what is wrong with its index has been said.
+pub(super) fn read_files(
+    format: &'static str,
+    folder: &Path,
+    files: &GridFiles,
+    (index, index_warning): (Index, Option<String>),
+    job: &Job,
+) -> Result<Option<Opened>, Problem> {
+    let field = match read_views(files, job) {
         // A running number alone is what photos have too: only pictures that fit together are views.
         Ok(field) if files.running && layout::guess(&field)[0].error > UNRELATED => return Ok(None),
         Err(Problem::TooLarge { .. } | Problem::Implausible { .. }) if files.running => return Ok(None),
@@ -82,11 +93,11 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<LightFieldFile>, P
     if index.grid.is_none() && file.depths.is_none() {
         super::check_layout(&mut file);
     }
-    Ok(Some(file))
+    Ok(Some(file.into()))
 }
 
 /// The index, or an empty one; a broken one is a warning, as the names tell the grid too.
-fn read_index(folder: &Path) -> Result<(Index, Option<String>), Problem> {
+pub(super) fn read_index(folder: &Path) -> Result<(Index, Option<String>), Problem> {
     let path = folder.join(INDEX_FILE);
     if !path.is_file() {
         return Ok((Index::default(), None));
@@ -131,10 +142,7 @@ fn check_memory(files: &GridFiles, [width, height]: [u32; 2]) -> Result<(), Prob
 
 /// Width and height of a view that its header tells.
 fn view_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
-    if bytes.is_empty() {
-        return Err(Problem::Empty);
-    }
-    raster::header_size(bytes, sniff(bytes).ok_or(Problem::Unknown)?)
+    raster::header_size(bytes)
 }
 
 /// Decodes a view, if it is as large as the others.
@@ -145,7 +153,7 @@ fn read_view(path: &Path, size: [u32; 2]) -> Result<View, Problem> {
         if [w, h] != size {
             return Err(Problem::OddView { width: w, height: h, others: size });
         }
-        raster::decode_view(&bytes, sniff(&bytes).ok_or(Problem::Unknown)?)
+        raster::decode_view(&bytes)
     };
     read().map_err(Problem::of(path))
 }

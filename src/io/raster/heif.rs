@@ -10,6 +10,28 @@ use moxcms::{
 use super::Samples;
 use crate::io::Problem;
 
+/// Whether bytes begin as an AVIF file does.
+pub(crate) fn is_avif(bytes: &[u8]) -> bool {
+    brands(bytes).is_some_and(|(main, others)| match main {
+        b"avif" | b"avis" => true,
+        b"mif1" | b"mif2" | b"miaf" | b"msf1" => others.contains(b"avif"),
+        _ => false,
+    })
+}
+
+/// Whether bytes begin as a HEIC file does.
+pub(crate) fn is_heic(bytes: &[u8]) -> bool {
+    const MAIN: [&[u8; 4]; 9] = [b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"mif2", b"msf1"];
+    !is_avif(bytes) && brands(bytes).is_some_and(|(main, _)| MAIN.contains(&main))
+}
+
+/// The main brand, which may say only that it is some picture, and all of them (a version lies between).
+fn brands(bytes: &[u8]) -> Option<(&[u8; 4], &[[u8; 4]])> {
+    let length = u32::from_be_bytes(*bytes.first_chunk()?) as usize;
+    let brands = bytes[..bytes.len().min(length)].strip_prefix(&bytes[..4])?.strip_prefix(b"ftyp")?;
+    Some((brands.first_chunk()?, brands.get(8..).unwrap_or_default().as_chunks().0))
+}
+
 /// Most pictures that one picture may be put together from; a phone's has a few hundred tiles.
 const MAX_PARTS: usize = 2048;
 

@@ -3,17 +3,17 @@
 //! Transparency: a photo is composited onto white, as a print would show it; a light field's views keep their alpha
 //! until their reader has used it (ESLF marks missing rays with it).
 
-mod avif;
+pub(crate) mod avif;
 mod color;
 pub(crate) mod hdr;
 pub(crate) mod heif;
 pub(crate) mod jpeg;
 mod orient;
-mod still;
+pub(crate) mod still;
 
 use std::sync::Arc;
 
-use super::sniff::Sniffed;
+use super::file_type::FileType;
 use super::{Problem, exif};
 use crate::field::{Metadata, Photo, PhotoPixels, View};
 
@@ -77,18 +77,15 @@ pub(crate) fn check_size_within(
     Ok(())
 }
 
-/// Decodes any picture that is not HEIC.
-pub(crate) fn decode(bytes: &[u8], format: Sniffed) -> Result<Raster, Problem> {
-    match format {
-        Sniffed::Jpeg => jpeg::decode(bytes),
-        Sniffed::Avif => avif::decode(bytes),
-        _ => still::decode(bytes, format),
-    }
+/// Decodes the pixels of any format that has them.
+pub(crate) fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
+    let kind = FileType::of(bytes)?;
+    (kind.pixels.ok_or(Problem::Unknown)?.decode)(bytes, kind)
 }
 
 /// A picture that only needs its pixels: 8-bit RGBA, upright, with its alpha.
-pub(crate) fn decode_rgba8(bytes: &[u8], format: Sniffed) -> Result<([u32; 2], Vec<[u8; 4]>), Problem> {
-    let raster = decode(bytes, format)?;
+pub(crate) fn decode_rgba8(bytes: &[u8]) -> Result<([u32; 2], Vec<[u8; 4]>), Problem> {
+    let raster = decode(bytes)?;
     let pixels = match raster.samples {
         Samples::Eight(px) => px,
         Samples::Sixteen(px) => px.iter().map(|px| px.map(color::eight_from_sixteen)).collect(),
@@ -97,21 +94,26 @@ pub(crate) fn decode_rgba8(bytes: &[u8], format: Sniffed) -> Result<([u32; 2], V
 }
 
 /// A view of a light field: 8-bit RGBA, upright and opaque.
-pub(crate) fn decode_view(bytes: &[u8], format: Sniffed) -> Result<View, Problem> {
-    let (size, pixels) = decode_rgba8(bytes, format)?;
+pub(crate) fn decode_view(bytes: &[u8]) -> Result<View, Problem> {
+    let (size, pixels) = decode_rgba8(bytes)?;
     Ok(View::new(size, opaque(pixels, true).into_flattened())?)
 }
 
 /// Width and height from a picture's header, before orientation.
-pub(crate) fn header_size(bytes: &[u8], format: Sniffed) -> Result<[u32; 2], Problem> {
-    match format {
-        Sniffed::Jpeg => jpeg::header_size(bytes),
-        Sniffed::Avif => avif::header_size(bytes),
-        _ => still::header_size(bytes, format),
-    }
+pub(crate) fn header_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
+    let kind = FileType::of(bytes)?;
+    (kind.pixels.ok_or(Problem::Unknown)?.header_size)(bytes, kind)
 }
 
 impl Raster {
+    /// The first channel as 0 … 1, for maps that are stored as grey pictures.
+    pub(crate) fn gray(&self) -> Vec<f32> {
+        match &self.samples {
+            Samples::Eight(px) => px.iter().map(|px| f32::from(px[0]) / 255.0).collect(),
+            Samples::Sixteen(px) => px.iter().map(|px| f32::from(px[0]) / 65_535.0).collect(),
+        }
+    }
+
     /// The upright, opaque photo with its sRGB working copy; the copy shares memory with sRGB 8-bit pixels.
     pub(crate) fn into_photo(self) -> Result<(Photo, Vec<String>), Problem> {
         let mut warnings = self.warnings;

@@ -8,24 +8,27 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color};
 use crate::io::Problem;
 use crate::io::error::part_of_a_sentence;
-use crate::io::sniff::Sniffed;
+use crate::io::file_type::{FileType, Pixels};
 
-fn image_format(format: Sniffed) -> Option<ImageFormat> {
-    Some(match format {
-        Sniffed::Jpeg => ImageFormat::Jpeg,
-        Sniffed::Png => ImageFormat::Png,
-        Sniffed::WebP => ImageFormat::WebP,
-        Sniffed::Tiff => ImageFormat::Tiff,
-        Sniffed::Bmp => ImageFormat::Bmp,
-        Sniffed::Gif => ImageFormat::Gif,
-        Sniffed::Pnm => ImageFormat::Pnm,
-        Sniffed::Heif | Sniffed::Avif | Sniffed::Pfm | Sniffed::Lfp => return None,
-    })
+pub(crate) const PNG: FileType = still("PNG", &["png"], |bytes| bytes.starts_with(b"\x89PNG"));
+pub(crate) const TIFF: FileType = still("TIFF", &["tif", "tiff"], |bytes| {
+    matches!(bytes, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..])
+});
+pub(crate) const WEBP: FileType =
+    still("WebP", &["webp"], |bytes| bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP"));
+pub(crate) const BMP: FileType = still("BMP", &["bmp"], |bytes| bytes.starts_with(b"BM"));
+pub(crate) const GIF: FileType = still("GIF", &["gif"], |bytes| bytes.starts_with(b"GIF8"));
+pub(crate) const PNM: FileType =
+    still("PNM", &["ppm", "pgm"], |bytes| matches!(bytes, [b'P', b'1'..=b'7', b'\n' | b'\r' | b' ', ..]));
+
+const fn still(name: &'static str, suffixes: &'static [&'static str], begins: fn(&[u8]) -> bool) -> FileType {
+    FileType { name, suffixes, begins, pixels: Some(Pixels { decode, header_size }), ..FileType::UNKNOWN }
 }
 
 /// A decoder that has read the header and found its size bearable.
-fn header(bytes: &[u8], format: Sniffed) -> Result<impl ImageDecoder + '_, Problem> {
-    let kind = image_format(format).ok_or(Problem::Unknown)?;
+fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + use<'a>, Problem> {
+    // The library knows each format by the suffix that stands first.
+    let kind = format.suffixes.first().and_then(ImageFormat::from_extension).ok_or(Problem::Unknown)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), kind);
     reader.limits(limits());
     let decoder = reader.into_decoder().map_err(|error| problem(error, format))?;
@@ -43,13 +46,13 @@ fn limits() -> Limits {
 }
 
 /// Width and height from the header.
-pub(super) fn header_size(bytes: &[u8], format: Sniffed) -> Result<[u32; 2], Problem> {
+fn header_size(bytes: &[u8], format: &FileType) -> Result<[u32; 2], Problem> {
     let (width, height) = header(bytes, format)?.dimensions();
     Ok([width, height])
 }
 
 /// Decodes a picture; of an animation, its first frame.
-pub(super) fn decode(bytes: &[u8], format: Sniffed) -> Result<Raster, Problem> {
+fn decode(bytes: &[u8], format: &FileType) -> Result<Raster, Problem> {
     let mut decoder = header(bytes, format)?;
     let size = decoder.dimensions().into();
     let color_type = decoder.color_type();
@@ -73,8 +76,8 @@ pub(super) fn decode(bytes: &[u8], format: Sniffed) -> Result<Raster, Problem> {
 }
 
 /// Our words for the library's error.
-fn problem(error: ImageError, format: Sniffed) -> Problem {
-    let format = format.name();
+fn problem(error: ImageError, format: &FileType) -> Problem {
+    let format = format.name;
     match error {
         ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
             Problem::Truncated { format }

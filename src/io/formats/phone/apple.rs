@@ -1,11 +1,33 @@
-//! What Apple writes beside a depth map: the scale of its values (namespace `apdi`).
+//! Apple's portrait photos: a second picture holds the depth, and XMP beside it the scale (namespace `apdi`).
 
-use super::UnitMap;
+use super::jpeg::Extras;
+use super::{UnitMap, unit_map};
+use crate::io::jpeg_parts;
 use crate::io::xmp::Xmp;
 use crate::io::{DepthKind, EmbeddedDepth};
 
-pub(super) const PIXEL_DATA: &str = "http://ns.apple.com/pixeldatainfo/1.0/";
+const PIXEL_DATA: &str = "http://ns.apple.com/pixeldatainfo/1.0/";
 const DEPTH_DATA: &str = "http://ns.apple.com/depthData/1.0/";
+
+/// Pictures behind the first one that are looked at.
+const MAX_PICTURES: usize = 16;
+
+/// Looks for a depth map among the pictures behind the first of a JPEG (MPO files).
+pub(crate) fn read_jpeg(extras: &Extras) -> Option<Result<EmbeddedDepth, String>> {
+    let mut rest = &extras.bytes[extras.end..];
+    for _ in 0..MAX_PICTURES {
+        let start = rest.windows(3).position(|three| three == [0xff, 0xd8, 0xff])?;
+        rest = &rest[start..];
+        let parts = jpeg_parts::parse(rest);
+        let xmp = parts.xmp().and_then(|packet| Xmp::parse(packet).ok());
+        if let Some(xmp) = xmp.filter(|xmp| xmp.has(PIXEL_DATA) && Scale::is_depth_map(xmp)) {
+            let map = unit_map(rest).map_err(|problem| problem.to_string());
+            return Some(map.map(|map| Scale::from_xmp(&xmp).apply(map)));
+        }
+        rest = &rest[parts.end?..];
+    }
+    None
+}
 
 /// The scale of a map.
 pub(super) struct Scale {
@@ -26,7 +48,7 @@ impl Scale {
     }
 
     /// Whether the XMP is that of a depth map, not of a matte or a gain map.
-    pub(super) fn is_depth_map(xmp: &Xmp) -> bool {
+    fn is_depth_map(xmp: &Xmp) -> bool {
         matches!(xmp.get(PIXEL_DATA, "AuxiliaryImageType"), Some("disparity" | "depth"))
     }
 

@@ -1,6 +1,7 @@
 //! Dynamic Depth (Android 10 and later): pictures behind the JPEG, listed in its XMP.
 
 use super::gdepth::Range;
+use super::jpeg::Extras;
 use super::unit_map;
 use crate::io::xmp::Xmp;
 use crate::io::{DepthKind, EmbeddedDepth};
@@ -29,8 +30,13 @@ fn item<'a>(fields: &[(&'a str, &'a str)]) -> Result<Item<'a>, String> {
     })
 }
 
+/// The depth map of a JPEG, if its XMP tells of one.
+pub(crate) fn read(extras: &Extras) -> Option<Result<EmbeddedDepth, String>> {
+    extras.xmp.has(DEPTH).then(|| depth(&extras.xmp, extras.bytes, extras.end))
+}
+
 /// The depth map of a file whose first picture ends at `end`.
-pub(super) fn depth(xmp: &Xmp, file: &[u8], end: usize) -> Result<EmbeddedDepth, String> {
+fn depth(xmp: &Xmp, file: &[u8], end: usize) -> Result<EmbeddedDepth, String> {
     let range = Range::from_xmp(xmp, DEPTH)?;
     let groups = xmp.groups(ITEM);
     let items = groups.iter().map(|fields| item(fields)).collect::<Result<Vec<_>, _>>()?;

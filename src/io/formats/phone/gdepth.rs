@@ -2,12 +2,13 @@
 //!
 //! Specification: developers.google.com/depthmap-metadata. White is far.
 
-use super::{UnitMap, unit_map};
+use super::jpeg::Extras;
+use super::{UnitMap, dynamic, unit_map};
 use crate::io::raster::{self, Raster};
 use crate::io::xmp::Xmp;
-use crate::io::{DepthKind, EmbeddedDepth, sniff};
+use crate::io::{DepthKind, EmbeddedDepth};
 
-pub(super) const DEPTH: &str = "http://ns.google.com/photos/1.0/depthmap/";
+const DEPTH: &str = "http://ns.google.com/photos/1.0/depthmap/";
 const IMAGE: &str = "http://ns.google.com/photos/1.0/image/";
 
 /// How values 0 … 1 become depth; GDepth and Dynamic Depth share it.
@@ -55,19 +56,29 @@ impl Range {
     }
 }
 
-/// The depth map; `main` says what it means, `data` (the extended packet, or the same one) holds it.
-pub(super) fn depth(main: &Xmp, data: &Xmp) -> Result<EmbeddedDepth, String> {
-    let holder = if main.get(DEPTH, "Near").is_some() { main } else { data };
-    let range = Range::from_xmp(holder, DEPTH)?;
-    let picture = data.base64(DEPTH, "Data").ok_or("its depth map is missing")??;
-    Ok(range.apply(unit_map(&picture).map_err(|problem| problem.to_string())?, DepthKind::Gdepth))
+/// The depth map of a JPEG, if it has one; the main XMP or the extended one says what it means.
+pub(crate) fn read(extras: &Extras) -> Option<Result<EmbeddedDepth, String>> {
+    let main = &extras.xmp;
+    let data = match &extras.extended {
+        None => main,
+        Some(Ok(extended)) => extended,
+        Some(Err(reason)) => return main.has(DEPTH).then(|| Err(reason.clone())),
+    };
+    (main.has(DEPTH) || data.has(DEPTH)).then(|| {
+        let holder = if main.get(DEPTH, "Near").is_some() { main } else { data };
+        let range = Range::from_xmp(holder, DEPTH)?;
+        let picture = data.base64(DEPTH, "Data").ok_or("its depth map is missing")??;
+        Ok(range.apply(unit_map(&picture).map_err(|problem| problem.to_string())?, DepthKind::Gdepth))
+    })
 }
 
-/// The all-in-focus original, if there is one. It lies as the main picture does.
-pub(super) fn original(data: &Xmp) -> Option<Result<Raster, String>> {
-    let decode = |bytes: Vec<u8>| {
-        let format = sniff::sniff(&bytes).ok_or("its original photo is no picture")?;
-        raster::decode(&bytes, format).map_err(|problem| problem.to_string())
+/// The all-in-focus original beside a depth map, if there is one. It lies as the main picture does.
+pub(super) fn original(extras: &Extras) -> Option<Result<Raster, String>> {
+    let data = match &extras.extended {
+        Some(extended) => extended.as_ref().ok()?,
+        None => &extras.xmp,
     };
-    Some(data.base64(IMAGE, "Data")?.and_then(decode))
+    let has_depth = [DEPTH, dynamic::DEPTH].iter().any(|space| extras.xmp.has(space) || data.has(space));
+    let decode = |bytes: Vec<u8>| raster::decode(&bytes).map_err(|problem| problem.to_string());
+    Some(data.base64(IMAGE, "Data").filter(|_| has_depth)?.and_then(decode))
 }

@@ -7,34 +7,35 @@ use heifer::heifer_isobmff::{HeifFile, ItemId};
 
 use super::apple::Scale;
 use super::{UnitMap, spatial};
-use crate::io::raster::heif::{Cicp, check_parts, turn};
+use crate::io::file_type::FileType;
+use crate::io::formats;
+use crate::io::raster::heif::{Cicp, check_parts, is_heic, turn};
 use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, hdr, orient};
-use crate::io::sniff::Sniffed;
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};
 
 const FORMAT: &str = "HEIC";
+/// HEIC photos.
+pub(crate) const TYPE: FileType = FileType {
+    name: FORMAT,
+    suffixes: &["heic", "heif", "hif"],
+    begins: is_heic,
+    photo: Some(open),
+    ..FileType::UNKNOWN
+};
 const DEPTH_URN: [&str; 2] = ["urn:mpeg:hevc:2015:auxid:2", "urn:mpeg:mpegB:cicp:systems:auxiliary:depth"];
 
 /// Opens a HEIC photo and the depth in it.
-pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
+fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let file = HeifFile::parse(bytes).map_err(problem)?;
-    let id = file.primary_id;
-    let mut photo = PhotoFile::from_raster(decode_photo(bytes, &file)?, Sniffed::Heif)?;
-    match depth_map(&file, bytes.len()) {
-        Some(Ok(depth)) => photo.set_depth(depth),
-        Some(Err(reason)) => photo.warn(format!("the depth map is left out — {reason}")),
-        None => {}
-    }
-    if let Some([left, right]) = spatial::stereo_pair(bytes) {
+    let mut photo = PhotoFile::from_raster(decode_photo(bytes, &file)?, FORMAT)?;
+    let mut warnings = Vec::new();
+    let depth = formats::depth_in(&mut warnings, |reader| reader.heic.and_then(|read| read(&file, bytes)));
+    depth.into_iter().for_each(|depth| photo.set_depth(depth));
+    if spatial::stereo_pair(bytes).is_some() {
         photo.info.notes.push(("spatial photo".to_owned(), "two eyes".to_owned()));
-        if photo.depth.is_none() {
-            match spatial::depth(&file, bytes.len(), [left, right], id) {
-                Ok(depth) => photo.set_depth(depth),
-                Err(reason) => photo.warn(format!("the second eye is left out — {reason}")),
-            }
-        }
     }
+    warnings.into_iter().for_each(|text| photo.warn(text));
     Ok(photo)
 }
 
@@ -100,14 +101,14 @@ fn bits(file: &HeifFile, id: ItemId) -> u8 {
 }
 
 /// The auxiliary depth picture, wherever it hangs.
-fn depth_map(file: &HeifFile, file_bytes: usize) -> Option<Result<EmbeddedDepth, String>> {
+pub(crate) fn read_depth(file: &HeifFile, bytes: &[u8]) -> Option<Result<EmbeddedDepth, String>> {
     let is_depth = |id| {
         let urn =
             |p: &Property| matches!(p, Property::AuxiliaryType(urn) if DEPTH_URN.iter().any(|d| urn.starts_with(d)));
         file.item_properties(id).is_ok_and(|mut properties| properties.any(urn))
     };
     let id = file.items.iter().map(|item| item.id).find(|&id| is_depth(id))?;
-    Some(decode_depth(file, file_bytes, id).map_err(|problem| problem.to_string()))
+    Some(decode_depth(file, bytes.len(), id).map_err(|problem| problem.to_string()))
 }
 
 fn decode_depth(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<EmbeddedDepth, Problem> {

@@ -1,118 +1,80 @@
-//! JPEG photos: GDepth, Dynamic Depth, and Apple's second picture.
+//! JPEG photos, and what lies in them beside the picture: the table's lines look there for depth.
 
-use super::apple::{self, Scale};
-use super::{dynamic, gdepth, unit_map};
+use super::gdepth;
+use crate::io::file_type::{FileType, Pixels};
+use crate::io::formats;
 use crate::io::jpeg_parts::{self, JpegParts};
 use crate::io::raster::{self, Raster, orient};
-use crate::io::sniff::Sniffed;
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};
 
+/// JPEG photos.
+pub(crate) const TYPE: FileType = FileType {
+    name: "JPEG",
+    suffixes: &["jpg", "jpeg", "mpo"],
+    begins: |bytes| bytes.starts_with(&[0xff, 0xd8, 0xff]),
+    photo: Some(open),
+    pixels: Some(Pixels {
+        decode: |bytes, _| raster::jpeg::decode(bytes),
+        header_size: |bytes, _| raster::jpeg::header_size(bytes),
+    }),
+    ..FileType::UNKNOWN
+};
 const XMP_NOTE: &str = "http://ns.adobe.com/xmp/note/";
-/// Pictures behind the first one that are looked at.
-const MAX_PICTURES: usize = 16;
 
-/// What the extras gave.
-#[derive(Default)]
-struct Extras {
-    depth: Option<EmbeddedDepth>,
-    original: Option<Raster>,
-    warnings: Vec<String>,
+/// What a JPEG holds beside its picture.
+pub(crate) struct Extras<'a> {
+    /// The whole file.
+    pub(super) bytes: &'a [u8],
+    /// Where its first picture ends.
+    pub(super) end: usize,
+    /// Its XMP.
+    pub(super) xmp: Xmp,
+    /// The extended XMP that it points to.
+    pub(super) extended: Option<Result<Xmp, String>>,
 }
 
 /// Opens a JPEG and the depth in it.
-pub(crate) fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
+fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let parts = jpeg_parts::parse(bytes);
     let mut main = raster::jpeg::decode_parts(bytes, &parts)?;
-    let extras = extras(bytes, &parts);
+    let mut warnings = Vec::new();
+    let extras = Extras::of(bytes, &parts, &mut warnings);
+    let depth = formats::depth_in(&mut warnings, |reader| reader.jpeg.and_then(|read| read(&extras)));
     let orientation = main.orientation;
     let mut notes = Vec::new();
-    if let Some(original) = extras.original {
-        notes.push(("photo".to_owned(), "the all-in-focus original (GImage)".to_owned()));
-        let (exif, xmp) = (main.exif.take(), main.xmp.take());
-        main = Raster { exif: original.exif.or(exif), xmp, orientation, ..original };
+    match gdepth::original(&extras) {
+        Some(Ok(original)) => {
+            notes.push(("photo".to_owned(), "the all-in-focus original (GImage)".to_owned()));
+            let (exif, xmp) = (main.exif.take(), main.xmp.take());
+            main = Raster { exif: original.exif.or(exif), xmp, orientation, ..original };
+        }
+        Some(Err(reason)) => warnings.push(format!("the all-in-focus original is left out — {reason}")),
+        None => {}
     }
     main.xmp = main.xmp.filter(|xmp| !describes_extras(xmp));
-    let mut file = PhotoFile::from_raster(main, Sniffed::Jpeg)?;
+    let mut file = PhotoFile::from_raster(main, TYPE.name)?;
     file.info.notes = notes;
-    if let Some(depth) = extras.depth {
+    if let Some(depth) = depth {
         let (size, inverse_depth) = orient(depth.inverse_depth, depth.size, orientation);
         file.set_depth(EmbeddedDepth { size, inverse_depth, ..depth });
     }
-    extras.warnings.into_iter().for_each(|text| file.warn(text));
+    warnings.into_iter().for_each(|text| file.warn(text));
     Ok(file)
+}
+
+impl<'a> Extras<'a> {
+    fn of(bytes: &'a [u8], parts: &JpegParts, warnings: &mut Vec<String>) -> Self {
+        let parsed = parts.xmp().map_or_else(|| Ok(Xmp::default()), Xmp::parse);
+        let xmp = parsed.map_err(|reason| warnings.push(reason)).unwrap_or_default();
+        let guid = xmp.get(XMP_NOTE, "HasExtendedXMP");
+        let extended = guid.map(|guid| parts.extended_xmp(guid).and_then(|packet| Xmp::parse(&packet)));
+        Self { bytes, end: parts.end.unwrap_or(bytes.len()), xmp, extended }
+    }
 }
 
 /// An export keeps the XMP, but not one that points to data which is not exported.
 fn describes_extras(xmp: &[u8]) -> bool {
     let has = |what: &[u8]| xmp.windows(what.len()).any(|window| window == what);
     has(b"HasExtendedXMP") || has(b"/dd/1.0/") || has(b"photos/1.0/depthmap/") || has(b"photos/1.0/container/")
-}
-
-fn extras(bytes: &[u8], parts: &JpegParts) -> Extras {
-    let mut extras = Extras::default();
-    let end = parts.end.unwrap_or(bytes.len());
-    if let Some(packet) = parts.xmp() {
-        match Xmp::parse(packet) {
-            Ok(xmp) => google(&xmp, parts, bytes, &mut extras),
-            Err(reason) => extras.warnings.push(reason),
-        }
-    }
-    if extras.depth.is_none() {
-        apple_picture(&bytes[end..], &mut extras);
-    }
-    extras
-}
-
-fn google(xmp: &Xmp, parts: &JpegParts, bytes: &[u8], extras: &mut Extras) {
-    let mut told = |reason: String| extras.warnings.push(format!("the depth map is left out — {reason}"));
-    let extended =
-        xmp.get(XMP_NOTE, "HasExtendedXMP").map(|guid| parts.extended_xmp(guid).and_then(|x| Xmp::parse(&x)));
-    let extended = match extended {
-        Some(Ok(extended)) => Some(extended),
-        Some(Err(reason)) => {
-            if xmp.has(gdepth::DEPTH) {
-                told(reason);
-            }
-            return;
-        }
-        None => None,
-    };
-    let data = extended.as_ref().unwrap_or(xmp);
-    let depth = if xmp.has(dynamic::DEPTH) {
-        Some(dynamic::depth(xmp, bytes, parts.end.unwrap_or(bytes.len())))
-    } else if xmp.has(gdepth::DEPTH) || data.has(gdepth::DEPTH) {
-        Some(gdepth::depth(xmp, data))
-    } else {
-        None
-    };
-    match depth {
-        Some(Ok(depth)) => extras.depth = Some(depth),
-        Some(Err(reason)) => told(reason),
-        None => return,
-    }
-    match gdepth::original(data) {
-        Some(Ok(original)) => extras.original = Some(original),
-        Some(Err(reason)) => extras.warnings.push(format!("the all-in-focus original is left out — {reason}")),
-        None => {}
-    }
-}
-
-/// Looks for a depth map among the pictures behind the first (MPO files of Apple's portrait mode).
-fn apple_picture(mut rest: &[u8], extras: &mut Extras) {
-    for _ in 0..MAX_PICTURES {
-        let Some(start) = rest.windows(3).position(|three| three == [0xff, 0xd8, 0xff]) else { return };
-        rest = &rest[start..];
-        let parts = jpeg_parts::parse(rest);
-        let xmp = parts.xmp().and_then(|packet| Xmp::parse(packet).ok());
-        if let Some(xmp) = xmp.filter(|xmp| xmp.has(apple::PIXEL_DATA) && Scale::is_depth_map(xmp)) {
-            match unit_map(rest) {
-                Ok(map) => extras.depth = Some(Scale::from_xmp(&xmp).apply(map)),
-                Err(problem) => extras.warnings.push(format!("the depth map is left out — {problem}")),
-            }
-            return;
-        }
-        let Some(end) = parts.end else { return };
-        rest = &rest[end..];
-    }
 }

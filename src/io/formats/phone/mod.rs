@@ -2,17 +2,16 @@
 //!
 //! The depth is extra: whatever is wrong with it becomes a warning, and the photo opens all the same.
 
-mod apple;
-mod dynamic;
-mod gdepth;
+pub(crate) mod apple;
+pub(crate) mod dynamic;
+pub(crate) mod gdepth;
 pub(crate) mod heic;
 pub(crate) mod jpeg;
 pub(crate) mod side_file;
-mod spatial;
+pub(crate) mod spatial;
 
 use crate::io::Problem;
-use crate::io::raster::{self, Samples};
-use crate::io::sniff::sniff;
+use crate::io::raster;
 
 /// A map whose values are 0 … 1.
 struct UnitMap {
@@ -22,12 +21,8 @@ struct UnitMap {
 
 /// Decodes a grey picture to 0 … 1. It is not turned: that is for the photo's orientation to say.
 fn unit_map(bytes: &[u8]) -> Result<UnitMap, Problem> {
-    let raster = raster::decode(bytes, sniff(bytes).ok_or(Problem::Unknown)?)?;
-    let values = match raster.samples {
-        Samples::Eight(px) => px.iter().map(|px| f32::from(px[0]) / 255.0).collect(),
-        Samples::Sixteen(px) => px.iter().map(|px| f32::from(px[0]) / 65_535.0).collect(),
-    };
-    Ok(UnitMap { size: raster.size, values })
+    let raster = raster::decode(bytes)?;
+    Ok(UnitMap { size: raster.size, values: raster.gray() })
 }
 
 impl UnitMap {

@@ -18,13 +18,13 @@ pub(super) fn stereo_pair(bytes: &[u8]) -> Option<[ItemId; 2]> {
     (number(8)? == 2).then_some([number(12)?, number(16)?])
 }
 
-/// Depth of the photo `primary` from the pair.
-pub(super) fn depth(
-    file: &HeifFile,
-    file_bytes: usize,
-    [left, right]: [ItemId; 2],
-    primary: ItemId,
-) -> Result<EmbeddedDepth, String> {
+/// Depth of the main photo from the pair, if there is one.
+pub(crate) fn read(file: &HeifFile, bytes: &[u8]) -> Option<Result<EmbeddedDepth, String>> {
+    stereo_pair(bytes).map(|pair| depth(file, bytes.len(), pair))
+}
+
+fn depth(file: &HeifFile, file_bytes: usize, [left, right]: [ItemId; 2]) -> Result<EmbeddedDepth, String> {
+    let primary = file.primary_id;
     let other = if primary == right { left } else { right };
     let gray = |id| {
         let image = decode_item(file, file_bytes, id).map_err(|problem| problem.to_string())?;

@@ -16,9 +16,18 @@ use rayon::prelude::*;
 use super::heif::{self, Cicp};
 use super::{Channel, Raster, Samples, check_size, color, hdr};
 use crate::io::Problem;
+use crate::io::file_type::{FileType, Pixels};
 use coded::Coded;
 
 const FORMAT: &str = "AVIF";
+/// AVIF pictures.
+pub(crate) const TYPE: FileType = FileType {
+    name: FORMAT,
+    suffixes: &["avif"],
+    begins: heif::is_avif,
+    pixels: Some(Pixels { decode: |bytes, _| decode(bytes), header_size: |bytes, _| header_size(bytes) }),
+    ..FileType::UNKNOWN
+};
 const ALPHA_URN: [&str; 2] = ["urn:mpeg:mpegB:cicp:systems:auxiliary:alpha", "urn:mpeg:hevc:2015:auxid:1"];
 
 fn parse(bytes: &[u8]) -> Result<HeifFile<'_>, Problem> {
@@ -44,13 +53,13 @@ fn unsupported(reason: String) -> Problem {
 }
 
 /// Width and height from the header, before turns.
-pub(super) fn header_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
+fn header_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
     let file = parse(bytes)?;
     Ok(Tiling::of(&file, file.primary_id, bytes.len())?.size)
 }
 
 /// Decodes the main picture.
-pub(super) fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
+fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
     let file = parse(bytes)?;
     let id = file.primary_id;
     let tiling = Tiling::of(&file, id, bytes.len())?;
