@@ -167,7 +167,7 @@ impl Recipe {
         if let Some([x, y]) = self.focus_at {
             let map = scene.disparity();
             let cell = |at: f32, side: u32| ((at.clamp(0.0, 1.0) * side as f32) as u32).min(side - 1);
-            let here = map.at(cell(x, map.size[0]), cell(y, map.size[1]));
+            let here = map.at(cell(x, map.size()[0]), cell(y, map.size()[1]));
             lens.focus.disparity_px += here - lens.focus.at(x, y);
         }
         lens

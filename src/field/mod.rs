@@ -22,17 +22,19 @@ mod lens;
 mod light_field;
 mod photo;
 mod picture;
+mod raster;
 mod ray_depths;
 mod tap;
 mod transfer;
 mod view;
 
-pub use disparity_map::DisparityMap;
+pub use disparity_map::{DisparityMap, RelativeDepth, disparity_scale};
 pub use grid::{ViewGrid, ViewIndex, ViewOffset};
 pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
 pub use photo::{Metadata, Photo, PhotoPixels, fit_long_side};
 pub use picture::{Picture, Pixels, Samples};
+pub use raster::Raster;
 pub use ray_depths::RayDepths;
 pub use tap::{bilinear, ramp};
 pub use transfer::Transfer;
@@ -59,6 +61,12 @@ pub enum FieldError {
         /// Values given.
         got: usize,
     },
+    /// Disparities that are no numbers.
+    #[error("{what} cannot be used — it has values that are not numbers (NaN or infinity) — repair it first")]
+    NotANumber {
+        /// The map.
+        what: &'static str,
+    },
     /// Views of different sizes.
     #[error("view ({v}, {u}) is {got:?} pixels where the others are {want:?}")]
     ViewSize {
@@ -76,4 +84,9 @@ pub enum FieldError {
 /// Length check shared by the nouns.
 fn check_len(what: &'static str, want: usize, got: usize) -> Result<(), FieldError> {
     if want == got && want > 0 { Ok(()) } else { Err(FieldError::Length { what, want, got }) }
+}
+
+/// Refuses NaN and infinity, so that nobody behind has to.
+fn check_finite(what: &'static str, values: &[f32]) -> Result<(), FieldError> {
+    if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(FieldError::NotANumber { what }) }
 }

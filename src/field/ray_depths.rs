@@ -1,8 +1,10 @@
 //! The disparity of every ray.
 
-use super::{DisparityMap, FieldError, ViewGrid, ViewIndex, check_len};
+use super::disparity_map::range;
+use super::{DisparityMap, FieldError, Raster, ViewGrid, ViewIndex, check_finite, check_len};
 
-/// Disparity of every ray: pixels that a point moves per view step, not metres. Larger is nearer.
+/// Disparity of every ray: pixels that a point moves per view step, not metres. Larger is nearer;
+/// every value is a number.
 ///
 /// # Shapes
 /// - `disparity_px`: `[v, u, y, x]`, in pixels of this size
@@ -18,6 +20,7 @@ impl RayDepths {
     pub fn new(grid: ViewGrid, size: [u32; 2], disparity_px: Vec<f32>) -> Result<Self, FieldError> {
         let plane = size[0] as usize * size[1] as usize;
         check_len("the ray depths", grid.count() * plane, disparity_px.len())?;
+        check_finite("the ray depths", &disparity_px)?;
         Ok(Self { grid, size, disparity_px })
     }
 
@@ -48,9 +51,14 @@ impl RayDepths {
         self.view(self.grid.reference())
     }
 
-    /// The same as a map of its own.
+    /// The map of the reference view, on its own.
     pub fn reference_map(&self) -> DisparityMap {
-        DisparityMap { size: self.size(), disparity_px: self.reference().to_vec() }
+        self.map(self.grid.reference())
+    }
+
+    /// The map of one view, on its own.
+    pub fn map(&self, at: ViewIndex) -> DisparityMap {
+        DisparityMap::of_rays(Raster { size: self.size, pixels: self.view(at).to_vec() })
     }
 
     /// Disparity of one ray.
@@ -60,6 +68,6 @@ impl RayDepths {
 
     /// Least and greatest disparity over all rays.
     pub fn range_px(&self) -> [f32; 2] {
-        self.disparity_px.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], &d| [lo.min(d), hi.max(d)])
+        range(&self.disparity_px)
     }
 }

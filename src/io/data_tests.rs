@@ -38,10 +38,10 @@ fn light_field(path: &Path) -> LightFieldFile {
 
 /// Mean inverse depth in a box of the picture, in shares of its sides.
 fn mean(depth: &EmbeddedDepth, [x0, y0, x1, y1]: [f32; 4]) -> f32 {
-    let [w, h] = depth.size.map(|side| side as f32);
+    let [w, h] = depth.map.size().map(|side| side as f32);
     let (xs, ys) = ((x0 * w) as usize..(x1 * w) as usize, (y0 * h) as usize..(y1 * h) as usize);
     let count = (xs.len() * ys.len()) as f32;
-    let row = |y: usize| depth.inverse_depth[y * w as usize..][xs.clone()].iter().sum::<f32>();
+    let row = |y: usize| depth.map.nearness()[y * w as usize..][xs.clone()].iter().sum::<f32>();
     ys.map(row).sum::<f32>() / count
 }
 
@@ -74,9 +74,9 @@ fn phone_depth_has_the_right_sign_and_stands_upright() {
     assert_eq!(depth.kind, DepthKind::ApplePortrait);
     let shape = |[w, h]: [u32; 2]| f64::from(w) / f64::from(h);
     assert!(
-        (shape(depth.size) / shape(pug.photo.size()) - 1.0).abs() < 0.02,
+        (shape(depth.map.size()) / shape(pug.photo.size()) - 1.0).abs() < 0.02,
         "{:?} {:?}",
-        depth.size,
+        depth.map.size(),
         pug.photo.size()
     );
 }
@@ -149,7 +149,7 @@ fn swept_depths_have_the_range_that_is_recorded() {
         let path = entry.unwrap().path();
         let file = light_field(&path);
         let map = sweep::reference_map(&file.field, &job).unwrap();
-        let [far, near] = percentiles(&map.disparity_px, [0.02, 0.98]);
+        let [far, near] = percentiles(map.disparity_px(), [0.02, 0.98]);
         let [far_was, near_was] = file.info.disparity_px.unwrap();
         let both = near.min(near_was) - far.max(far_was);
         let any = near.max(near_was) - far.min(far_was);
@@ -163,7 +163,7 @@ fn swept_depths_of_the_benchmark_agree_with_its_ground_truth() {
     let file = light_field(&data.join("hci_cotton"));
     let map = sweep::reference_map(&file.field, &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
     let truth = file.reference_disparity.unwrap();
-    let errors: Vec<f32> = map.disparity_px.iter().zip(&truth.disparity_px).map(|(a, b)| (a - b).abs()).collect();
+    let errors: Vec<f32> = map.disparity_px().iter().zip(truth.disparity_px()).map(|(a, b)| (a - b).abs()).collect();
     let [middle, most] = percentiles(&errors, [0.5, 0.8]);
     assert!(middle < 0.04 && most < 0.1, "half of the errors are below {middle}, eight of ten below {most} px");
 }

@@ -136,6 +136,9 @@ pub enum Problem {
     /// Views and maps do not fit together.
     #[error("could not open the light field — {0} — make all views again with one size")]
     Field(#[from] FieldError),
+    /// A disparity map with values that are no numbers.
+    #[error(transparent)]
+    Map(FieldError),
     /// A folder without anything to open.
     #[error("could not open the folder — it holds no picture and no light field — choose another one")]
     EmptyFolder,

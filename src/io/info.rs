@@ -6,7 +6,8 @@ use serde::Serialize;
 
 use super::DisparityMap;
 use super::formats::layout::Layout;
-use crate::field::{LightField, Photo, RayDepths};
+use super::raster::orient;
+use crate::field::{FieldError, LightField, Photo, RayDepths, RelativeDepth};
 
 /// A file, told by its content.
 #[derive(Debug)]
@@ -97,32 +98,22 @@ impl LightFieldFile {
 }
 
 /// Depth that came with a photo, as the phone measured it.
-///
-/// # Shapes
-/// - `inverse_depth`: `[y, x]`, upright, covering the whole photo; larger is nearer
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmbeddedDepth {
     /// Where it comes from.
     pub kind: DepthKind,
-    /// Width and height of the map, in pixels; seldom that of the photo.
-    pub size: [u32; 2],
-    /// Inverse depth: 1/m where `metric`, else in a unit that only orders (affine to 1/m).
-    pub inverse_depth: Vec<f32>,
+    /// Inverse depth, upright, covering the whole photo: 1/m where `metric`, else in a unit that only orders (affine to
+    /// 1/m). Its size is seldom that of the photo.
+    pub map: RelativeDepth,
     /// Whether the values are 1/m.
     pub metric: bool,
 }
 
 impl EmbeddedDepth {
-    /// The map as disparity: its 2nd and 98th percentile become `range_px` (far, near), which is in pixels per view
-    /// step of the map's own width.
-    pub fn disparity(&self, range_px: [f32; 2]) -> DisparityMap {
-        let mut sorted: Vec<f32> = self.inverse_depth.iter().copied().filter(|n| n.is_finite()).collect();
-        sorted.sort_by(f32::total_cmp);
-        let at = |share: f32| sorted.get((share * (sorted.len().max(1) - 1) as f32) as usize).copied().unwrap_or(0.0);
-        let (far, near) = (at(0.02), at(0.98));
-        let scale = if near > far { (range_px[1] - range_px[0]) / (near - far) } else { 0.0 };
-        let px = |n: &f32| if n.is_finite() { range_px[0] + (n - far) * scale } else { range_px[0] };
-        DisparityMap { size: self.size, disparity_px: self.inverse_depth.iter().map(px).collect() }
+    /// The same, turned upright as EXIF says.
+    pub(crate) fn oriented(self, orientation: u8) -> Result<Self, FieldError> {
+        let (size, nearness) = orient(self.map.nearness().to_vec(), self.map.size(), orientation);
+        Ok(Self { map: RelativeDepth::new(size, nearness)?, ..self })
     }
 }
 
@@ -170,10 +161,10 @@ pub struct DepthInfo {
 
 impl From<&EmbeddedDepth> for DepthInfo {
     fn from(depth: &EmbeddedDepth) -> Self {
-        let finite = || depth.inverse_depth.iter().copied().filter(|n| n.is_finite() && *n > 0.0);
+        let finite = || depth.map.nearness().iter().copied().filter(|n| n.is_finite() && *n > 0.0);
         let (far, near) = (finite().fold(f32::INFINITY, f32::min), finite().fold(0.0, f32::max));
         let range_m = (depth.metric && near > 0.0).then(|| [1.0 / near, 1.0 / far]);
-        Self { kind: depth.kind, size: depth.size, range_m }
+        Self { kind: depth.kind, size: depth.map.size(), range_m }
     }
 }
 

@@ -333,8 +333,8 @@ fn a_heic_opens_with_its_depth_map() {
     let [r, g, b, a] = pixel(&file.photo, 30, 20);
     assert!(r.abs_diff(200) < 8 && g.abs_diff(100) < 8 && b.abs_diff(50) < 8 && a == 255, "{r} {g} {b} {a}");
     let depth = file.depth.unwrap();
-    assert_eq!((depth.kind, depth.size), (DepthKind::ApplePortrait, [64, 48]));
-    let row = &depth.inverse_depth[20 * 64..21 * 64];
+    assert_eq!((depth.kind, depth.map.size()), (DepthKind::ApplePortrait, [64, 48]));
+    let row = &depth.map.nearness()[20 * 64..21 * 64];
     assert!(row[4] < 0.2 && row[60] > 0.8, "{} {}", row[4], row[60]);
 }
 
@@ -390,11 +390,11 @@ fn dynamic_depth_is_read_in_metres_with_near_first() {
     let file = photo(&dynamic_depth(0));
     assert!(file.warnings.is_empty(), "{:?}", file.warnings);
     let depth = file.depth.unwrap();
-    assert_eq!((depth.kind, depth.size, depth.metric), (DepthKind::DynamicDepth, [8, 6], true));
+    assert_eq!((depth.kind, depth.map.size(), depth.metric), (DepthKind::DynamicDepth, [8, 6], true));
     // Value 0 is the near end, 0.5 m; the range goes on linearly in 1/m.
-    assert!((depth.inverse_depth[0] - 2.0).abs() < 1e-4);
+    assert!((depth.map.nearness()[0] - 2.0).abs() < 1e-4);
     let n = 252.0 / 255.0;
-    assert!((depth.inverse_depth[7] - (2.0 - n * 1.9)).abs() < 1e-4, "{}", depth.inverse_depth[7]);
+    assert!((depth.map.nearness()[7] - (2.0 - n * 1.9)).abs() < 1e-4, "{}", depth.map.nearness()[7]);
     let [near, far] = file.info.embedded_depth.unwrap().range_m.unwrap();
     assert!((near - 0.5).abs() < 1e-3 && far > 5.0 && far <= 10.0);
 }
@@ -421,8 +421,8 @@ fn apples_second_picture_is_turned_with_the_photo() {
     let first = jpeg(&[(1, [b"Exif\0\0".to_vec(), exif(6)].concat())]);
     let file = photo(&[first, vec![0; 20], second].concat());
     let depth = file.depth.unwrap();
-    assert_eq!((depth.kind, depth.size, file.info.size), (DepthKind::ApplePortrait, [16, 24], [16, 24]));
+    assert_eq!((depth.kind, depth.map.size(), file.info.size), (DepthKind::ApplePortrait, [16, 24], [16, 24]));
     // Orientation 6 turns the stored top to the right.
-    let row = &depth.inverse_depth[12 * 16..13 * 16];
+    let row = &depth.map.nearness()[12 * 16..13 * 16];
     assert!((row[14] - 3.0).abs() < 0.05 && (row[1] - 1.0).abs() < 0.05, "{row:?}");
 }

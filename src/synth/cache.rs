@@ -131,11 +131,13 @@ impl CacheKey {
         // All that a manifest says counts: who tries another working scale must not be shown the old one's light field.
         models.iter().for_each(|manifest| hash.update(format!("{manifest:?}")));
         hash.update(photo.srgb8());
-        for map in [&params.disparity, &params.phone] {
+        let disparity = params.disparity.as_deref().map(|map| (map.size(), map.disparity_px()));
+        let phone = params.phone.as_deref().map(|map| (map.size(), map.nearness()));
+        for map in [disparity, phone] {
             hash.update([u8::from(map.is_some())]);
-            if let Some(map) = map {
-                hash.update(format!("{:?}", map.size));
-                map.disparity_px.iter().for_each(|d| hash.update(d.to_le_bytes()));
+            if let Some((size, values)) = map {
+                hash.update(format!("{size:?}"));
+                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
             }
         }
         Self(hex(&hash.finalize()[..16]))
@@ -145,11 +147,11 @@ impl CacheKey {
 impl Entry {
     fn write(&self, to: &mut impl Write) -> io::Result<()> {
         to.write_all(MAGIC)?;
-        for number in [self.map.size[0], self.map.size[1], self.checksum, self.differences.len() as u32] {
+        for number in [self.map.size()[0], self.map.size()[1], self.checksum, self.differences.len() as u32] {
             to.write_all(&number.to_le_bytes())?;
         }
         let mut packed = ZlibEncoder::new(to, Compression::fast());
-        let disparity: Vec<u8> = self.map.disparity_px.iter().flat_map(|d| d.to_le_bytes()).collect();
+        let disparity: Vec<u8> = self.map.disparity_px().iter().flat_map(|d| d.to_le_bytes()).collect();
         packed.write_all(&disparity)?;
         packed.write_all(&self.differences)?;
         packed.finish().map(|_| ())
@@ -171,7 +173,8 @@ impl Entry {
         }
         let differences = content.split_off(pixels * 4);
         let disparity_px = content.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        Ok(Self { map: DisparityMap { size, disparity_px }, differences, checksum })
+        let map = DisparityMap::new(size, disparity_px).map_err(io::Error::other)?;
+        Ok(Self { map, differences, checksum })
     }
 }
 

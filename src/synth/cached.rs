@@ -69,7 +69,7 @@ impl Synthesizer {
     ) -> Result<Option<Made>, SynthError> {
         let reference = reference_view(photo, params.long_side, job)?;
         let (grid, bytes) = (self.grid(), reference.rgba().len() / 4 * 3);
-        if entry.map.size != reference.size() || entry.differences.len() != bytes * grid.count() {
+        if entry.map.size() != reference.size() || entry.differences.len() != bytes * grid.count() {
             return Ok(None);
         }
         let depths = Arc::new(lift::lifted(&entry.map, grid, job)?);

@@ -4,7 +4,7 @@ use super::net::Net;
 use super::picture::{Signed, size_in_steps};
 use super::resample::{Filter, resample};
 use super::{Channels, ModelError, ModelFile, SynthError};
-use crate::field::{DisparityMap, View, ViewGrid};
+use crate::field::{DisparityMap, FieldError, View, ViewGrid};
 use crate::job::Job;
 
 /// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
@@ -34,9 +34,9 @@ impl NetDepths {
     }
 
     /// The map of the reference view.
-    pub(super) fn reference(&self) -> DisparityMap {
+    pub(super) fn reference(&self) -> Result<DisparityMap, FieldError> {
         let layer = self.grid.layer_from_view(self.grid.reference());
-        DisparityMap { size: self.size.map(|side| side as u32), disparity_px: self.layer(layer).to_vec() }
+        DisparityMap::new(self.size.map(|side| side as u32), self.layer(layer).to_vec())
     }
 }
 

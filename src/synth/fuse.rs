@@ -1,9 +1,9 @@
 //! The depth that a phone measured together with the depth net's.
 
 use super::resample::{Filter, resample};
-use super::upsample;
+use super::{SynthError, upsample};
 use crate::field::{DisparityMap, View};
-use crate::job::{Cancelled, Job};
+use crate::job::Job;
 
 /// Least correlation at which the net may set the phone's scale.
 const AGREES: f32 = 0.2;
@@ -14,22 +14,22 @@ const AGREES: f32 = 0.2;
 /// given the spread of the net's.
 ///
 /// # Errors
-/// Cancelled.
-pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, Cancelled> {
-    let size = net.size.map(|side| side as usize);
-    let phone_small = resample::<1>(&phone.disparity_px, phone.size.map(|side| side as usize), size, Filter::Linear);
-    let (gain, shift) = affine_fit(&phone_small, &net.disparity_px);
-    let ratio = phone.size[0] as f32 / net.size[0] as f32;
-    let disparity_px = phone.disparity_px.iter().map(|d| (gain * d + shift) * ratio).collect();
-    upsample::to_guide(&DisparityMap { size: phone.size, disparity_px }, guide, job)
+/// Cancelled; values beyond all measure.
+pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
+    let size = net.size().map(|side| side as usize);
+    let phone_small = resample::<1>(phone.disparity_px(), phone.size().map(|side| side as usize), size, Filter::Linear);
+    let (gain, shift) = affine_fit(&phone_small, net.disparity_px());
+    let ratio = net.scale_to(phone.size());
+    let disparity_px = phone.disparity_px().iter().map(|d| (gain * d + shift) * ratio).collect();
+    upsample::to_guide(&DisparityMap::new(phone.size(), disparity_px)?, guide, job)
 }
 
 /// How far the depth net and another map of the same picture agree on what is near: their correlation, −1 … 1, at the
 /// net's size.
 pub fn agreement(net: &DisparityMap, other: &DisparityMap) -> f32 {
-    let size = |map: &DisparityMap| map.size.map(|side| side as usize);
-    let other = resample::<1>(&other.disparity_px, size(other), size(net), Filter::Linear);
-    Moments::of(&other, &net.disparity_px).agreement()
+    let size = |map: &DisparityMap| map.size().map(|side| side as usize);
+    let other = resample::<1>(other.disparity_px(), size(other), size(net), Filter::Linear);
+    Moments::of(&other, net.disparity_px()).agreement()
 }
 
 /// Means, standard deviations and covariance of two maps.

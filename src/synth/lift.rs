@@ -25,7 +25,7 @@ pub fn ray_depths(reference: &DisparityMap, grid: ViewGrid) -> RayDepths {
 
 /// The same with progress and cancel.
 pub fn lifted(reference: &DisparityMap, grid: ViewGrid, job: &Job) -> Result<RayDepths, Cancelled> {
-    let plane = reference.disparity_px.len();
+    let plane = reference.disparity_px().len();
     let mut all = vec![0.0; plane * grid.count()];
     all.par_chunks_mut(plane).enumerate().try_for_each(|(layer, out)| {
         let offset = grid.offset(grid.view_from_layer(layer));
@@ -33,18 +33,18 @@ pub fn lifted(reference: &DisparityMap, grid: ViewGrid, job: &Job) -> Result<Ray
         job.check()
     })?;
     job.advance(Stage::Depth, 1, 1)?;
-    Ok(RayDepths::new(grid, reference.size, all).unwrap_or_else(|_| flat(reference, grid)))
+    Ok(RayDepths::new(grid, reference.size(), all).unwrap_or_else(|_| flat(reference, grid)))
 }
 
 fn flat(reference: &DisparityMap, grid: ViewGrid) -> RayDepths {
-    let all = (0..grid.count()).flat_map(|_| reference.disparity_px.iter().copied()).collect();
-    RayDepths::new(grid, reference.size, all).expect("a map repeated for each view has the length of the grid")
+    let all = (0..grid.count()).flat_map(|_| reference.disparity_px().iter().copied()).collect();
+    RayDepths::new(grid, reference.size(), all).expect("a map repeated for each view has the length of the grid")
 }
 
 /// The map of one view, written to `out`.
 pub(super) fn lift_view(reference: &DisparityMap, from: ViewOffset, out: &mut [f32]) {
     if from == ViewOffset::default() {
-        return out.copy_from_slice(&reference.disparity_px);
+        return out.copy_from_slice(reference.disparity_px());
     }
     let map = Map::new(reference);
     let starts = splat(&map, from);
@@ -64,7 +64,7 @@ struct Map<'a> {
 
 impl<'a> Map<'a> {
     fn new(map: &'a DisparityMap) -> Self {
-        Self { w: map.size[0] as usize, h: map.size[1] as usize, d: &map.disparity_px }
+        Self { w: map.size()[0] as usize, h: map.size()[1] as usize, d: map.disparity_px() }
     }
 
     /// Disparity between pixels: bilinear on a surface, the nearest pixel's where an edge runs between them.

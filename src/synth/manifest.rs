@@ -173,7 +173,7 @@ pub struct Manifest {
     #[serde(default = "default_multiple")]
     pub multiple_of: u32,
     /// Least and greatest disparity it can say, pixels per view step at its own width. Of a relative-depth model: what
-    /// its far and its near end become, by default [`order_range_px`](super::order_range_px).
+    /// its far and its near end become, by default [`RelativeDepth::usual_range_px`](crate::field::RelativeDepth::usual_range_px).
     #[serde(default)]
     pub disparity_range_px: Option<[f32; 2]>,
     /// Where the maps of the other views come from.

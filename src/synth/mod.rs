@@ -36,6 +36,6 @@ pub use library::{ModelFile, ModelIndex, ModelSource, ModelTag};
 pub use manifest::{
     Channels, ColourOrder, Layout, LongSides, Manifest, RayDepthsFrom, RelativeOutput, RelativeRules, Task,
 };
-pub use params::{DepthSource, SynthParams, Synthesis, order_range_px};
+pub use params::{DepthSource, SynthParams, Synthesis};
 pub use picture::{Signed, reference_view};
 pub use pipeline::{Synthesizer, synthesize_from_map};

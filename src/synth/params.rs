@@ -4,16 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::ModelTag;
-use crate::field::{DisparityMap, LightField, RayDepths};
-
-/// Disparity of the far and the near end of a depth that only orders, per pixel of width: a flower before its garden.
-const ORDER_RANGE_PER_WIDTH: [f32; 2] = [-0.8 / 540.0, 1.0 / 540.0];
-
-/// Far and near end of a depth map whose scale nobody knows (a phone's, a relative-depth model's), in pixels per view
-/// step at the map's own width.
-pub fn order_range_px(width: u32) -> [f32; 2] {
-    ORDER_RANGE_PER_WIDTH.map(|per_width| per_width * width as f32)
-}
+use crate::field::{DisparityMap, LightField, RayDepths, RelativeDepth};
 
 /// Where the reference view's ray depth comes from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -42,8 +33,8 @@ pub struct SynthParams {
     pub disparity: Option<Arc<DisparityMap>>,
     /// Where the ray depth comes from otherwise.
     pub source: DepthSource,
-    /// What the phone measured: larger is nearer, scale unknown. For [`DepthSource::Phone`] and `Fused`.
-    pub phone: Option<Arc<DisparityMap>>,
+    /// What the phone measured. For [`DepthSource::Phone`] and `Fused`.
+    pub phone: Option<Arc<RelativeDepth>>,
 }
 
 impl Default for SynthParams {

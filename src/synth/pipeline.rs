@@ -15,7 +15,9 @@ use super::{
     DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task,
 };
 use super::{fuse, lambertian, lift, memory, tract, upsample};
-use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex, fit_long_side};
+use crate::field::{
+    DisparityMap, FieldError, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex, disparity_scale, fit_long_side,
+};
 use crate::job::{Job, Stage};
 
 /// Long side above which the occlusion net's residual is computed small and enlarged.
@@ -95,7 +97,7 @@ impl Synthesizer {
         params: &SynthParams,
         job: &Job,
     ) -> Result<DisparityMap, SynthError> {
-        Ok(self.depth.estimate(reference, params.threads, job)?.reference())
+        Ok(self.depth.estimate(reference, params.threads, job)?.reference()?)
     }
 
     /// Makes a light field. The sink hears of ray depths, then of Lambertian views from the middle outward, then of
@@ -127,7 +129,7 @@ impl Synthesizer {
     /// The disparity of every ray, from whatever source was asked for.
     fn ray_depths(&self, reference: &View, params: &SynthParams, job: &Job) -> Result<RayDepths, SynthError> {
         if let Some(map) = &params.disparity {
-            return Ok(lift::lifted(&at_size(map, reference.size()), self.grid(), job)?);
+            return Ok(lift::lifted(&at_size(map, reference.size())?, self.grid(), job)?);
         }
         let threads = params.threads;
         let map = match (&params.source, &params.phone) {
@@ -135,10 +137,10 @@ impl Synthesizer {
                 Further::Ray(net) => return self.net_ray_depths(net, reference, threads, job),
                 Further::Relative(net) => net.estimate(reference, threads, job)?,
             },
-            (DepthSource::Phone, Some(phone)) => upsample::to_guide(phone, reference, job)?,
+            (DepthSource::Phone, Some(phone)) => upsample::to_guide(&phone.disparity(), reference, job)?,
             (DepthSource::Fused, Some(phone)) => {
-                let net = self.depth.estimate(reference, threads, job)?.reference();
-                fuse::fuse(&net, phone, reference, job)?
+                let net = self.depth.estimate(reference, threads, job)?.reference()?;
+                fuse::fuse(&net, &phone.disparity(), reference, job)?
             }
             (source, _) => {
                 if *source != DepthSource::Network {
@@ -178,7 +180,7 @@ impl Synthesizer {
     ) -> Result<RayDepths, SynthError> {
         let net = depth.estimate(reference, threads, job)?;
         job.advance(Stage::Depth, 1, 3)?;
-        let refined = upsample::to_guide(&net.reference(), reference, job)?;
+        let refined = upsample::to_guide(&net.reference()?, reference, job)?;
         job.advance(Stage::Depth, 2, 3)?;
         match depth.net().manifest().ray_depths {
             RayDepthsFrom::Lift => Ok(lift::lifted(&refined, self.grid(), job)?),
@@ -203,7 +205,7 @@ pub fn synthesize_from_map(
     let (field, depths) = pool.install(|| -> Result<_, SynthError> {
         job.advance(Stage::Depth, 0, 1)?;
         let reference = Arc::new(reference_view(photo, params.long_side, job)?);
-        let depths = Arc::new(lift::lifted(&at_size(map, reference.size()), ViewGrid::PAPER, job)?);
+        let depths = Arc::new(lift::lifted(&at_size(map, reference.size())?, ViewGrid::PAPER, job)?);
         job.sink.depths(&depths);
         let views = lambertian_views(&reference, &Signed::from_view(&reference), &depths, job)?;
         Ok((Arc::new(LightField::new(ViewGrid::PAPER, views)?), depths))
@@ -213,29 +215,29 @@ pub fn synthesize_from_map(
 
 /// The net's own maps at the size of the views; the reference view's is the refined one.
 fn all_maps(net: &NetDepths, refined: DisparityMap) -> Result<RayDepths, SynthError> {
-    let target = refined.size.map(|side| side as usize);
-    let ratio = target[0] as f32 / net.size[0] as f32;
+    let target = refined.size().map(|side| side as usize);
+    let ratio = disparity_scale(net.size.map(|side| side as u32), refined.size());
     let own = net.grid.layer_from_view(net.grid.reference());
     let layer = |layer: usize| match layer == own {
-        true => refined.disparity_px.clone(),
+        true => refined.disparity_px().to_vec(),
         false => {
             let map = resample::<1>(net.layer(layer), net.size, target, Filter::Linear);
             map.into_iter().map(|d| d * ratio).collect()
         }
     };
     let maps: Vec<f32> = (0..net.grid.count()).into_par_iter().flat_map_iter(layer).collect();
-    Ok(RayDepths::new(net.grid, refined.size, maps)?)
+    Ok(RayDepths::new(net.grid, refined.size(), maps)?)
 }
 
 /// A map that was given, at the size of the views. Shrinking takes the nearest values: averages would invent depths.
-fn at_size(map: &DisparityMap, size: [u32; 2]) -> DisparityMap {
-    let (from, to) = (map.size.map(|s| s as usize), size.map(|s| s as usize));
-    let ratio = size[0] as f32 / map.size[0] as f32;
+fn at_size(map: &DisparityMap, size: [u32; 2]) -> Result<DisparityMap, FieldError> {
+    let (from, to) = (map.size().map(|s| s as usize), size.map(|s| s as usize));
+    let ratio = map.scale_to(size);
     let values = match from[0] >= to[0] {
-        true => nearest(&map.disparity_px, from, to),
-        false => resample::<1>(&map.disparity_px, from, to, Filter::Linear),
+        true => nearest(map.disparity_px(), from, to),
+        false => resample::<1>(map.disparity_px(), from, to, Filter::Linear),
     };
-    DisparityMap { size, disparity_px: values.into_iter().map(|d| d * ratio).collect() }
+    DisparityMap::new(size, values.into_iter().map(|d| d * ratio).collect())
 }
 
 /// All Lambertian views in `[v, u]` order; the sink hears of them from the middle outward.
@@ -281,7 +283,7 @@ fn correct(
 /// Photo and ray depths at the size at which the occlusion net works.
 fn shrunk(reference: &View, depths: &RayDepths, size: [u32; 2]) -> Result<(Signed, RayDepths), SynthError> {
     let (from, to) = (depths.size().map(|s| s as usize), size.map(|s| s as usize));
-    let ratio = to[0] as f32 / from[0] as f32;
+    let ratio = disparity_scale(depths.size(), size);
     let maps: Vec<f32> = depths
         .disparity_px()
         .par_chunks_exact(from[0] * from[1])

@@ -3,12 +3,9 @@
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
 use super::resample::Filter;
-use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, order_range_px, upsample};
-use crate::field::{DisparityMap, View};
+use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, upsample};
+use crate::field::{DisparityMap, FieldError, RelativeDepth, View};
 use crate::job::Job;
-
-/// Share of the pixels that is left out at either end when relative depth is stretched to the manifest's range.
-const TAIL: f32 = 0.02;
 
 /// A net of somebody else: photo → relative depth.
 pub(super) struct RelativeNet {
@@ -36,11 +33,11 @@ impl RelativeNet {
         };
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
         let [w, h] = self.net.map_size(&output)?;
-        let range_px = manifest.disparity_range_px.unwrap_or_else(|| order_range_px(w as u32));
+        let range_px = manifest.disparity_range_px.unwrap_or_else(|| RelativeDepth::usual_range_px(w as u32));
         let greatest = output.iter().copied().fold(0.0, f32::max);
         let nearness = output.iter().map(|value| manifest.relative.output.nearness(*value, greatest)).collect();
-        let map = DisparityMap { size: [w as u32, h as u32], disparity_px: stretched(nearness, range_px) };
-        Ok(upsample::to_guide(&map, photo, job)?)
+        let map = clamped(&RelativeDepth::new([w as u32, h as u32], nearness)?, range_px)?;
+        upsample::to_guide(&map, photo, job)
     }
 }
 
@@ -67,17 +64,10 @@ fn relative_input(manifest: &Manifest, photo: &Signed) -> Vec<f32> {
     }
 }
 
-/// Relative depth as disparity: nearness stretched to a range, but for a few outliers; 0 where nothing differs.
-fn stretched(nearness: Vec<f32>, [far, near]: [f32; 2]) -> Vec<f32> {
-    let mut sorted = nearness.clone();
-    sorted.sort_by(f32::total_cmp);
-    let at = |share: f32| sorted[((sorted.len() - 1) as f32 * share) as usize];
-    let (low, high) = (at(TAIL), at(1.0 - TAIL));
-    if high <= low {
-        return vec![0.0; nearness.len()];
-    }
-    let scale = (near - far) / (high - low);
-    nearness.into_iter().map(|n| (far + (n - low) * scale).clamp(far, near)).collect()
+/// Relative depth as disparity, outliers cut: a net's distances near 0 would lie beyond all measure.
+fn clamped(depth: &RelativeDepth, [far, near]: [f32; 2]) -> Result<DisparityMap, FieldError> {
+    let map = depth.stretched([far, near]);
+    DisparityMap::new(map.size(), map.disparity_px().iter().map(|d| d.clamp(far, near)).collect())
 }
 
 #[cfg(test)]
@@ -89,10 +79,9 @@ mod tests {
     fn nearness_is_stretched_and_outliers_are_cut() {
         let mut nearness: Vec<f32> = (0..=100).map(|n| n as f32).collect();
         nearness[100] = 1e6;
-        let stretched = stretched(nearness, [-1.0, 1.0]);
-        assert_eq!((stretched[0], stretched[2], stretched[98], stretched[100]), (-1.0, -1.0, 1.0, 1.0));
-        assert!(stretched[50].abs() < 1e-6);
-        assert_eq!(super::stretched(vec![7.0; 5], [-1.0, 2.0]), [0.0; 5]);
+        let map = clamped(&RelativeDepth::new([101, 1], nearness).unwrap(), [-1.0, 1.0]).unwrap();
+        assert_eq!([0, 2, 98, 100].map(|x| map.at(x, 0)), [-1.0, -1.0, 1.0, 1.0]);
+        assert!(map.at(50, 0).abs() < 1e-6);
     }
 
     #[test]

@@ -7,10 +7,10 @@
 use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 
-use super::lift;
 use super::picture::Signed;
 use super::resample::Filter;
 use super::upsample::{self, EdgeAware};
+use super::{SynthError, lift};
 use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewOffset, fit_long_side};
 use crate::job::{Cancel, Cancelled, Job, Stage};
 
@@ -36,16 +36,16 @@ const COST_PER_PX: f32 = 1e-4;
 /// The disparity of every ray of a light field, measured from its views.
 ///
 /// # Errors
-/// Cancelled.
-pub fn ray_depths(field: &LightField, job: &Job) -> Result<RayDepths, Cancelled> {
-    lift::lifted(&reference_map(field, job)?, field.grid(), job)
+/// Cancelled; a map that is none.
+pub fn ray_depths(field: &LightField, job: &Job) -> Result<RayDepths, SynthError> {
+    Ok(lift::lifted(&reference_map(field, job)?, field.grid(), job)?)
 }
 
 /// The disparity of the reference view.
 ///
 /// # Errors
-/// Cancelled.
-pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, Cancelled> {
+/// Cancelled; a map that is none.
+pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, SynthError> {
     let full = field.size();
     let coarse = Sweep::new(field, fit_long_side(full, COARSE_LONG_SIDE));
     let widest = WIDEST_SHARE * coarse.size[0].max(coarse.size[1]) as f32;
@@ -55,8 +55,8 @@ pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, Canc
     let margin = 2.0 * coarse.step();
     let [lo, hi] = found.range();
     let found = fine.run([(lo - margin) * ratio, (hi + margin) * ratio], job)?;
-    let map = DisparityMap { size: fine.size.map(|side| side as u32), disparity_px: found.disparity_px };
-    Ok(if map.size == full { map } else { upsample::to_guide(&map, field.reference(), job)? })
+    let map = DisparityMap::new(fine.size.map(|side| side as u32), found.disparity_px)?;
+    Ok(if map.size() == full { map } else { upsample::to_guide(&map, field.reference(), job)? })
 }
 
 /// Some views of a light field at one size, with the reference view.

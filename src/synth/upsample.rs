@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::lift::STEP_PX;
 use super::resample::{Filter, resample};
-use super::speckles;
+use super::{SynthError, speckles};
 use crate::field::{DisparityMap, View};
 use crate::job::{Cancel, Cancelled, Job};
 
@@ -36,17 +36,17 @@ const SHARPEN_ROUNDS: usize = 6;
 /// A map that is as large as its guide already is only cleaned: its edges move to the photo's edges nearby.
 ///
 /// # Errors
-/// Cancelled.
-pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, Cancelled> {
-    let (source, target) = (map.size.map(|s| s as usize), guide.size().map(|s| s as usize));
-    let ratio = target[0] as f32 / source[0] as f32;
-    let scaled: Vec<f32> = map.disparity_px.iter().map(|d| d * ratio).collect();
+/// Cancelled; values beyond all measure.
+pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
+    let (source, target) = (map.size().map(|s| s as usize), guide.size().map(|s| s as usize));
+    let ratio = map.scale_to(guide.size());
+    let scaled: Vec<f32> = map.disparity_px().iter().map(|d| d * ratio).collect();
     let certain = resample::<1>(&certainty(&scaled, source), source, target, Filter::Linear);
     let wide = resample::<1>(&scaled, source, target, Filter::Linear);
     let mut disparity_px = spread(&wide, &certain, guide, job)?;
     let least = (ratio * ratio) as usize;
     speckles::remove(&mut disparity_px, target, least, |a, b| colour_difference(guide, a, b), job.cancel)?;
-    Ok(DisparityMap { size: guide.size(), disparity_px })
+    Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
 /// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
@@ -214,9 +214,9 @@ mod tests {
         let (guide, map, mask) = disc();
         let out = guided(&map, &guide);
         let [lo, hi] = out.range_px();
-        let wrong = out.disparity_px.iter().zip(&mask).filter(|(d, m)| (**d > (lo + hi) / 2.0) != **m).count();
+        let wrong = out.disparity_px().iter().zip(&mask).filter(|(d, m)| (**d > (lo + hi) / 2.0) != **m).count();
         assert!(wrong <= 30, "{wrong} of 10,800 pixels are on the wrong side");
-        let between = out.disparity_px.iter().filter(|d| (**d - lo).min(hi - **d) > 0.3 * (hi - lo)).count();
+        let between = out.disparity_px().iter().filter(|d| (**d - lo).min(hi - **d) > 0.3 * (hi - lo)).count();
         assert!(between <= 30, "{between} pixels have a depth in between");
     }
 
@@ -238,7 +238,7 @@ mod tests {
         for size in [[40, 30], [120, 90], [240, 180], [1, 1]] {
             let out = guided(&DisparityMap::constant(size, 0.6), &guide);
             let want = 0.6 * 120.0 / size[0] as f32;
-            assert!(out.disparity_px.iter().all(|d| (d - want).abs() < 1e-3 * want), "{size:?}");
+            assert!(out.disparity_px().iter().all(|d| (d - want).abs() < 1e-3 * want), "{size:?}");
         }
     }
 }

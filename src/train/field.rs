@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use plenoscope::field::{FieldError, LightField, View, ViewGrid, ViewIndex};
 use plenoscope::io::{self, LightFieldFile, Opened};
-use plenoscope::job::{Cancel, Cancelled, Job};
-use plenoscope::synth::sweep;
+use plenoscope::job::{Cancel, Job};
+use plenoscope::synth::{SynthError, sweep};
 
 use crate::scenes::REFERENCE;
 use crate::scenes::raster::{Raster, Rgb};
@@ -34,9 +34,9 @@ pub enum TrueFieldError {
     /// Views that make no light field.
     #[error(transparent)]
     Views(#[from] FieldError),
-    /// The sweep was stopped.
+    /// The sweep.
     #[error(transparent)]
-    Stopped(#[from] Cancelled),
+    Sweep(#[from] SynthError),
 }
 
 /// 64 views, the reference view being layer 36.
@@ -78,7 +78,7 @@ impl TrueField {
             (Some(all), _) => {
                 (0..64).map(|layer| (layer, all.view(around(all.grid().reference(), layer)).to_vec())).collect()
             }
-            (None, Some(map)) if map.disparity_px.len() == size[0] * size[1] => vec![(REFERENCE, map.disparity_px)],
+            (None, Some(map)) if map.size() == file.field.size() => vec![(REFERENCE, map.into_disparity_px())],
             _ => Vec::new(),
         };
         Ok(Self { name, size, views, depths })
@@ -119,7 +119,7 @@ impl TrueField {
         let cancel = Cancel::default();
         let field = light_field(&self.views)?;
         let map = sweep::reference_map(&field, &Job { cancel: &cancel, sink: &() })?;
-        Ok(Raster { size: self.size, px: map.disparity_px })
+        Ok(Raster { size: self.size, px: map.into_disparity_px() })
     }
 }
 

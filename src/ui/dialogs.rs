@@ -73,8 +73,8 @@ pub enum Picked {
     DepthMap {
         /// Where it lies.
         path: PathBuf,
-        /// Whether its numbers are disparities.
-        is_disparity: bool,
+        /// Its width and height.
+        size: [u32; 2],
         /// The map, read both ways.
         readings: [Reading; 2],
     },
@@ -137,10 +137,10 @@ fn tell(job: JobId, event: Event, outbox: &Outbox) {
 
 fn depth_map(path: PathBuf) -> Event {
     match depth_map::read(&path) {
-        Ok(map) => {
-            let readings = near_end::readings(&map);
-            Event::Picked(Picked::DepthMap { path, is_disparity: map.is_disparity, readings })
-        }
+        Ok(map) => match near_end::readings(&map) {
+            Ok(readings) => Event::Picked(Picked::DepthMap { path, size: map.size(), readings }),
+            Err(error) => Event::Failed(crate::errors::sentence(&error)),
+        },
         Err(error) => Event::Failed(crate::errors::sentence(&error)),
     }
 }

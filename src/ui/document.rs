@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::subject;
 use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
+use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::layout::Layout;
 use crate::io::{EmbeddedDepth, FileInfo, LightFieldFile, Opened};
 use crate::recipe::Recipe;
@@ -25,7 +26,7 @@ pub struct Document {
     /// Disparity of the reference view alone, where it is known (the sample, benchmark scenes).
     pub reference: Option<Arc<DisparityMap>>,
     /// Ray depths of the photo from a map of one's own.
-    pub own_map: Option<OwnMap>,
+    pub own_map: Option<GivenDepth>,
     /// The light field, once it is complete.
     pub field: Option<Arc<LightField>>,
     /// A light field from disk as it lies in its files, where it is shown brighter.
@@ -44,15 +45,6 @@ pub struct Document {
     pub took_secs: f64,
     /// What a person should know about the file.
     pub warnings: Vec<String>,
-}
-
-/// A map of one's own as the reference view's ray depths.
-#[derive(Clone, Debug)]
-pub struct OwnMap {
-    /// Its disparities, in pixels of its own width.
-    pub map: Arc<DisparityMap>,
-    /// Whether the numbers are disparities and used as they are; else the photo's edges guide them.
-    pub is_exact: bool,
 }
 
 /// A finished light field.

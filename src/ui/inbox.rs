@@ -205,8 +205,8 @@ impl App {
             Picked::Open(path) => self.open(From::File(path)),
             Picked::Folder(path) => self.settings.export.folder = Some(path),
             Picked::Photos(photos) => self.export_photos(photos),
-            Picked::DepthMap { path, is_disparity, readings } => {
-                self.ask_near_end(near_end::Question::new(&path, is_disparity, readings, ctx));
+            Picked::DepthMap { path, size, readings } => {
+                self.ask_near_end(near_end::Question::new(&path, size, readings, ctx));
             }
             Picked::Models(folder) => self.use_models(folder),
             Picked::Pixels(size, rgba) => self.open(From::Pixels(size, rgba)),

@@ -9,15 +9,13 @@ use super::document::{Document, Made, Survey};
 use super::jobs::{Load, secs_since};
 use super::state::Source;
 use crate::errors::sentence;
-use crate::field::{DisparityMap, LightField, Photo};
+use crate::field::{DisparityMap, LightField, Photo, RelativeDepth};
+use crate::io::formats::depth_map::GivenDepth;
 use crate::job::Job;
 use crate::synth::{
-    DepthSource, ModelSource, SynthParams, Synthesizer, fuse, lift, reference_view, sweep, synthesize_from_map,
-    upsample,
+    DepthSource, ModelSource, SynthError, SynthParams, Synthesizer, fuse, lift, reference_view, sweep,
+    synthesize_from_map, upsample,
 };
-
-/// The disparities, far and near, that a map of this width is spread over where its scale is unknown.
-pub use crate::synth::order_range_px as usual_range_px;
 
 /// A correlation beyond this tells near from far. Of nine light fields of known sign it tells five, none of them wrongly.
 const TELLS: f32 = 0.5;
@@ -52,10 +50,11 @@ impl Maker {
     }
 
     fn of_photo(&mut self, photo: &Photo, document: &Document, load: &Load, job: &Job) -> Result<Made, String> {
-        let phone = document.phone.as_ref().map(|phone| Arc::new(phone.disparity(usual_range_px(phone.size[0]))));
+        let phone = document.phone.as_ref().map(|phone| Arc::new(phone.map.clone()));
         let params = self.params(document, phone, load, job);
         if let Err(error) = self.load(&load.models) {
-            let known = params.disparity.clone().or_else(|| document.reference.clone()).or(params.phone.clone());
+            let of_phone = || params.phone.as_ref().map(|phone| Arc::new(phone.disparity()));
+            let known = params.disparity.clone().or_else(|| document.reference.clone()).or_else(of_phone);
             let Some(map) = known else { return Err(error) };
             job.sink.warning(format!("{error} — the picture's own depth is used"));
             return without_nets(photo, &map, document, load.long_side, job);
@@ -107,7 +106,7 @@ impl Maker {
     }
 
     /// What the synthesis is asked for; a source that this photo or these models have not is the network.
-    fn params(&self, document: &Document, phone: Option<Arc<DisparityMap>>, load: &Load, job: &Job) -> SynthParams {
+    fn params(&self, document: &Document, phone: Option<Arc<RelativeDepth>>, load: &Load, job: &Job) -> SynthParams {
         let base = SynthParams {
             long_side: load.long_side,
             occlusion: load.occlusion,
@@ -119,9 +118,9 @@ impl Maker {
         match (&load.source, &document.own_map) {
             (Source::Phone, _) if base.phone.is_some() => SynthParams { source: DepthSource::Phone, ..base },
             (Source::Fused, _) if base.phone.is_some() => SynthParams { source: DepthSource::Fused, ..base },
-            (Source::Map, Some(own)) if own.is_exact => SynthParams { disparity: Some(Arc::clone(&own.map)), ..base },
-            (Source::Map, Some(own)) => {
-                SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(&own.map)), ..base }
+            (Source::Map, Some(GivenDepth::Disparity(map))) => SynthParams { disparity: Some(Arc::clone(map)), ..base },
+            (Source::Map, Some(GivenDepth::Order(map))) => {
+                SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(map)), ..base }
             }
             (Source::Model(id), _) if load.models.further_models().contains(id) => {
                 SynthParams { source: DepthSource::Model(id.clone()), ..base }
@@ -143,9 +142,9 @@ fn of_views(field: &Arc<LightField>, document: &Document, job: &Job) -> Result<M
         let of = Box::new(document.clone());
         return Ok(Made { field: Arc::clone(field), depths: Some(depths), survey: None, made_by, took_secs: 0.0, of });
     }
-    let map = document.reference.as_ref().filter(|map| map.size == field.size());
+    let map = document.reference.as_ref().filter(|map| map.size() == field.size());
     let depths = match map {
-        Some(map) => lift::lifted(map, field.grid(), job),
+        Some(map) => lift::lifted(map, field.grid(), job).map_err(SynthError::from),
         None => sweep::ray_depths(field, job),
     };
     let depths = Some(Arc::new(depths.map_err(|error| sentence(&error))?));

@@ -6,12 +6,10 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage, Context, CursorIcon, RichText, Sense, StrokeKind, TextureHandle, Ui, vec2};
 
 use super::app::App;
-use super::document::OwnMap;
-use super::maker::usual_range_px;
 use super::state::Source;
 use super::{theme, widgets};
-use crate::field::DisparityMap;
-use crate::io::formats::depth_map::{DepthMap, NearEnd};
+use crate::field::{DisparityMap, FieldError};
+use crate::io::formats::depth_map::{DepthMap, GivenDepth, NearEnd};
 use crate::render::cpu::Colormap;
 
 /// Long side of the small pictures, in pixels.
@@ -25,19 +23,22 @@ pub struct Reading {
     /// Which end is near.
     end: NearEnd,
     /// The map, read so.
-    map: Arc<DisparityMap>,
+    depth: GivenDepth,
     /// A small picture of it, near is red.
     image: Arc<ColorImage>,
 }
 
 /// Both readings of a map, the likelier first. For a thread: the map may be large.
-pub fn readings(map: &DepthMap) -> [Reading; 2] {
-    let range = usual_range_px(map.size[0]);
-    map.previews(range).map(|(end, map)| Reading { end, image: Arc::new(small(&map)), map: Arc::new(map) })
+///
+/// # Errors
+/// Disparities that are no numbers.
+pub fn readings(map: &DepthMap) -> Result<[Reading; 2], FieldError> {
+    let image = |depth: &GivenDepth| Arc::new(small(&depth.disparity()));
+    Ok(map.previews()?.map(|(end, depth)| Reading { end, image: image(&depth), depth }))
 }
 
 fn small(map: &DisparityMap) -> ColorImage {
-    let [w, h] = map.size;
+    let [w, h] = map.size();
     let step = w.max(h).div_ceil(PREVIEW).max(1);
     let [far, near] = map.range_px();
     let scale = 1.0 / (near - far).max(1e-6);
@@ -52,25 +53,24 @@ fn small(map: &DisparityMap) -> ColorImage {
 /// The question, while it is asked.
 pub struct Question {
     name: String,
-    is_disparity: bool,
+    size: [u32; 2],
     readings: [Reading; 2],
     textures: [TextureHandle; 2],
 }
 
 impl Question {
     /// About the map of a file.
-    pub fn new(path: &Path, is_disparity: bool, readings: [Reading; 2], ctx: &Context) -> Self {
+    pub fn new(path: &Path, size: [u32; 2], readings: [Reading; 2], ctx: &Context) -> Self {
         let texture = |reading: &Reading| ctx.load_texture("near end", Arc::clone(&reading.image), Default::default());
         let textures = [texture(&readings[0]), texture(&readings[1])];
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        Self { name, is_disparity, readings, textures }
+        Self { name, size, readings, textures }
     }
 
     /// Whether the map has the shape of a photo.
     pub fn fits(&self, photo: [u32; 2]) -> bool {
         let shape = |[w, h]: [u32; 2]| w as f32 / h as f32;
-        let map = self.readings[0].map.size;
-        map == [1, 1] || (shape(map) / shape(photo) - 1.0).abs() < SAME_SHAPE
+        self.size == [1, 1] || (shape(self.size) / shape(photo) - 1.0).abs() < SAME_SHAPE
     }
 }
 
@@ -103,8 +103,7 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
         });
     });
     if let Some(index) = answer {
-        let (map, is_exact) = (Arc::clone(&question.readings[index].map), question.is_disparity);
-        app.document.own_map = Some(OwnMap { map, is_exact });
+        app.document.own_map = Some(question.readings[index].depth.clone());
         app.settings.source = Source::Map;
         app.make_again();
     }
@@ -141,15 +140,16 @@ fn preview(ui: &mut Ui, question: &Question, index: usize, texture: &TextureHand
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::Raster;
 
     #[test]
     fn both_readings_are_offered_and_differ() {
         let values = (0..12 * 8).map(|i| (i / 12) as f32 / 7.0).collect();
-        let map = DepthMap { size: [12, 8], values, is_disparity: false };
-        let [likely, other] = readings(&map);
+        let map = DepthMap { values: Raster::new([12, 8], values).unwrap(), is_disparity: false };
+        let [likely, other] = readings(&map).unwrap();
         assert_eq!((likely.end, other.end), (NearEnd::White, NearEnd::Black));
-        assert!(likely.map.at(0, 7) > likely.map.at(0, 0), "below is near");
-        assert!(other.map.at(0, 7) < other.map.at(0, 0));
+        assert!(likely.depth.disparity().at(0, 7) > likely.depth.disparity().at(0, 0), "below is near");
+        assert!(other.depth.disparity().at(0, 7) < other.depth.disparity().at(0, 0));
         assert_eq!(likely.image.pixels[0], other.image.pixels[12 * 7], "far here is near there");
     }
 }

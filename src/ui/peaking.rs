@@ -6,7 +6,7 @@ use egui::ColorImage;
 
 use super::theme;
 use super::worker::{Event, JobId, Outbox};
-use crate::field::{DisparityMap, Lens, LightField, RayDepths, ViewIndex};
+use crate::field::{Lens, LightField, RayDepths, ViewIndex};
 use crate::job::Cancel;
 use crate::render::lens::peaking;
 
@@ -44,7 +44,7 @@ pub struct Peaks {
 pub fn work(job: JobId, request: Request, _: &Cancel, outbox: &Outbox) {
     let Request { key, field, depths } = request;
     let view = field.view(key.view);
-    let map = DisparityMap { size: depths.size(), disparity_px: depths.view(key.view).to_vec() };
+    let map = depths.map(key.view);
     let marks = peaking(view, &map, &key.lens);
     let pixels = marks.into_iter().map(|mark| theme::PEAK.gamma_multiply(f32::from(mark) / 255.0)).collect();
     let image = ColorImage::new(view.size().map(|side| side as usize), pixels);

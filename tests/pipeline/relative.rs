@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use plenoscope::field::{DisparityMap, Photo, ViewGrid};
+use plenoscope::field::{Photo, RelativeDepth, ViewGrid};
 use plenoscope::job::{Cancel, Job};
-use plenoscope::synth::{
-    DepthSource, ModelSource, SynthError, SynthParams, Synthesis, Synthesizer, lift, order_range_px,
-};
+use plenoscope::synth::{DepthSource, ModelSource, SynthError, SynthParams, Synthesis, Synthesizer, lift};
 
 use crate::nets;
 
@@ -37,8 +35,8 @@ fn synthesize(folder: &Path, model: &str) -> Result<Synthesis, SynthError> {
 
 /// Checks ray depth along a line of the reference view: place and share of the way from far to near.
 fn check(made: &Synthesis, along: impl Fn(f32) -> [f32; 2], wanted: &[(f32, f32)]) {
-    let map = DisparityMap::new(made.depths.size(), made.depths.reference().to_vec()).unwrap();
-    let [far, near] = order_range_px(SIZE[0]);
+    let map = made.depths.reference_map();
+    let [far, near] = RelativeDepth::usual_range_px(SIZE[0]);
     for &(place, want) in wanted {
         let [x, y] = along(place);
         let got = (map.at((x * SIZE[0] as f32) as u32, (y * SIZE[1] as f32) as u32) - far) / (near - far);

@@ -1,7 +1,7 @@
 //! `depth`: the ray depths of one view.
 
 use anyhow::{Result, bail};
-use plenoscope::field::{DisparityMap, RayDepths, ViewGrid, ViewIndex};
+use plenoscope::field::{RayDepths, ViewGrid, ViewIndex};
 use plenoscope::io::formats::depth_out;
 use plenoscope::job::{Job, Stage};
 use plenoscope::render::cpu;
@@ -29,7 +29,7 @@ pub fn run(args: &Depth, job: &Job) -> Result<()> {
         Some(at) => index(depths.grid(), at)?,
     };
     job.advance(Stage::Save, 0, 1)?;
-    let map = DisparityMap { size: depths.size(), disparity_px: depths.view(view).to_vec() };
+    let map = depths.map(view);
     match args.colormap {
         _ if as_numbers => Ok(depth_out::write_pfm(&args.output, &map)?),
         Some(colors) => target.picture(&cpu::depth(&depths, view, range_px(&depths), colors.into()), None, 8),

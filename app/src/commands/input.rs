@@ -10,8 +10,7 @@ use plenoscope::io::{self, EmbeddedDepth, LightFieldFile, Opened, PhotoFile};
 use plenoscope::job::Job;
 use plenoscope::synth::cache::Cache;
 use plenoscope::synth::{
-    DepthSource, ModelSource, ModelTag, SynthParams, Synthesis, Synthesizer, lift, order_range_px, sweep,
-    synthesize_from_map,
+    DepthSource, ModelSource, ModelTag, SynthParams, Synthesis, Synthesizer, lift, sweep, synthesize_from_map,
 };
 
 use crate::cli::SynthArgs;
@@ -28,7 +27,7 @@ impl Scene {
     /// A light field as it was in its files.
     pub fn from_file(file: LightFieldFile) -> Self {
         let lifted = || {
-            let map = file.reference_disparity.as_ref().filter(|map| map.size == file.field.size())?;
+            let map = file.reference_disparity.as_ref().filter(|map| map.size() == file.field.size())?;
             Some(Arc::new(lift::ray_depths(map, file.field.grid())))
         };
         let depths = file.depths.clone().or_else(lifted);
@@ -100,8 +99,7 @@ fn params(args: &SynthArgs, phone: Option<&EmbeddedDepth>) -> Result<SynthParams
             "fused" => DepthSource::Fused,
             model => DepthSource::Model(model.to_owned()),
         },
-        // A phone's depth has no scale of its own.
-        phone: phone.map(|depth| Arc::new(depth.disparity(order_range_px(depth.size[0])))),
+        phone: phone.map(|depth| Arc::new(depth.map.clone())),
     })
 }
 

@@ -52,8 +52,8 @@ pub fn focus_at(Pair(x, y): Pair, photo: [u32; 2], map: &DisparityMap, plane: Fo
         )));
     }
     let share = [(x + 0.5) / photo[0] as f32, (y + 0.5) / photo[1] as f32];
-    let pixel = |share: f32, side: u32| ((share * side as f32) as usize).min(side as usize - 1);
-    let at = pixel(share[1], map.size[1]) * map.size[0] as usize + pixel(share[0], map.size[0]);
+    let pixel = |share: f32, side: u32| ((share * side as f32) as u32).min(side - 1);
+    let at = [0, 1].map(|axis| pixel(share[axis], map.size()[axis]));
     let tilted = FocalPlane { disparity_px: 0.0, ..plane };
-    Ok(map.disparity_px[at] - tilted.at(share[0], share[1]))
+    Ok(map.at(at[0], at[1]) - tilted.at(share[0], share[1]))
 }

@@ -105,7 +105,7 @@ impl Edit<'_> {
         let lens = match input::disparity(&self.args.synth)? {
             // What was typed is in the units of the given map.
             Some(map) => {
-                let ratio = own.size[0] as f32 / map.size[0] as f32;
+                let ratio = map.scale_to(own.size());
                 let typed = lens_args::lens(&self.args.lens, scaled(base, 1.0 / ratio), photo_size, &map)?;
                 scaled(typed, ratio)
             }

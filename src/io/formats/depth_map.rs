@@ -4,8 +4,9 @@
 //! what is lower in a photo is mostly nearer.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use crate::field::DisparityMap;
+use crate::field::{DisparityMap, FieldError, Raster, RelativeDepth};
 use crate::io::file_type::FileType;
 use crate::io::open::read_file;
 use crate::io::raster;
@@ -20,16 +21,30 @@ pub enum NearEnd {
     Black,
 }
 
+/// What a map says of its photo.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GivenDepth {
+    /// Disparities, used as they are.
+    Disparity(Arc<DisparityMap>),
+    /// An order without a scale: the photo's edges guide it.
+    Order(Arc<RelativeDepth>),
+}
+
+impl GivenDepth {
+    /// As disparity, whatever it is.
+    pub fn disparity(&self) -> Arc<DisparityMap> {
+        match self {
+            Self::Disparity(map) => Arc::clone(map),
+            Self::Order(map) => Arc::new(map.disparity()),
+        }
+    }
+}
+
 /// A map as it was read.
-///
-/// # Shapes
-/// - `values`: `[y, x]`, 0 … 1 from a picture, as they are from a PFM
 #[derive(Clone, Debug, PartialEq)]
 pub struct DepthMap {
-    /// Width and height.
-    pub size: [u32; 2],
-    /// The values.
-    pub values: Vec<f32>,
+    /// The values: 0 … 1 from a picture, as they are from a PFM.
+    pub values: Raster<f32>,
     /// Whether it is a PFM, whose values are disparities in px per view step at its own width.
     pub is_disparity: bool,
 }
@@ -49,39 +64,53 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<DepthMap, Problem> {
     }
     let raster = raster::decode(bytes)?;
     let (size, values) = raster::orient(raster.gray(), raster.size, raster.orientation);
-    Ok(DepthMap { size, values, is_disparity: false })
+    Ok(DepthMap { values: Raster::new(size, values)?, is_disparity: false })
 }
 
 impl DepthMap {
+    /// Width and height.
+    pub fn size(&self) -> [u32; 2] {
+        self.values.size()
+    }
+
     /// Values where larger is nearer.
-    pub fn nearness(&self, end: NearEnd) -> Vec<f32> {
-        match end {
+    pub fn nearness(&self, end: NearEnd) -> RelativeDepth {
+        RelativeDepth::of(match end {
             NearEnd::White => self.values.clone(),
-            NearEnd::Black if self.is_disparity => self.values.iter().map(|n| -n).collect(),
-            NearEnd::Black => self.values.iter().map(|n| 1.0 - n).collect(),
-        }
+            NearEnd::Black if self.is_disparity => self.values.clone().map(|n| -n),
+            NearEnd::Black => self.values.clone().map(|n| 1.0 - n),
+        })
     }
 
     /// The end that is near, guessed: the lower part of a photo is mostly nearer than the upper.
     pub fn near_end_guess(&self) -> NearEnd {
-        let third = self.values.len() / 3;
+        let values = self.values.pixels();
+        let third = values.len() / 3;
         let mean = |part: &[f32]| part.iter().filter(|v| v.is_finite()).sum::<f32>() / part.len().max(1) as f32;
-        let below = mean(&self.values[self.values.len() - third..]);
-        if self.is_disparity || below >= mean(&self.values[..third]) { NearEnd::White } else { NearEnd::Black }
+        let below = mean(&values[values.len() - third..]);
+        if self.is_disparity || below >= mean(&values[..third]) { NearEnd::White } else { NearEnd::Black }
     }
 
-    /// Disparity, the far end at `range_px[0]` and the near end at `range_px[1]`; a PFM keeps its own numbers.
-    pub fn disparity(&self, end: NearEnd, range_px: [f32; 2]) -> DisparityMap {
+    /// What the map says if this end is near; a PFM keeps its own numbers.
+    ///
+    /// # Errors
+    /// Disparities that are no numbers.
+    pub fn read_as(&self, end: NearEnd) -> Result<GivenDepth, FieldError> {
         let near = self.nearness(end);
-        let px = |n: f32| if self.is_disparity { n } else { range_px[0] + n * (range_px[1] - range_px[0]) };
-        DisparityMap { size: self.size, disparity_px: near.into_iter().map(px).collect() }
+        Ok(match self.is_disparity {
+            true => GivenDepth::Disparity(Arc::new(DisparityMap::new(near.size(), near.nearness().to_vec())?)),
+            false => GivenDepth::Order(Arc::new(near)),
+        })
     }
 
     /// Both readings, the guess first, to be shown side by side.
-    pub fn previews(&self, range_px: [f32; 2]) -> [(NearEnd, DisparityMap); 2] {
+    ///
+    /// # Errors
+    /// Disparities that are no numbers.
+    pub fn previews(&self) -> Result<[(NearEnd, GivenDepth); 2], FieldError> {
         let guess = self.near_end_guess();
         let other = if guess == NearEnd::White { NearEnd::Black } else { NearEnd::White };
-        [guess, other].map(|end| (end, self.disparity(end, range_px)))
+        Ok([(guess, self.read_as(guess)?), (other, self.read_as(other)?)])
     }
 }
 
@@ -102,11 +131,12 @@ mod tests {
     fn sixteen_bits_are_kept_and_the_lower_end_is_taken_as_near() {
         let white_near = parse(&png(|y| y as u16 * 100 + 7)).unwrap();
         assert_eq!(white_near.near_end_guess(), NearEnd::White);
-        assert_eq!((white_near.values[11] * 65_535.0).round(), 507.0);
+        assert_eq!((white_near.values.pixels()[11] * 65_535.0).round(), 507.0);
         let black_near = parse(&png(|y| 60_000 - y as u16 * 10_000)).unwrap();
-        let [(end, near), (_, other)] = black_near.previews([-1.0, 1.0]);
+        let [(end, near), (_, other)] = black_near.previews().unwrap();
         assert_eq!(end, NearEnd::Black);
-        assert!(near.disparity_px[11] > near.disparity_px[0] && other.disparity_px[11] < other.disparity_px[0]);
+        let [near, other] = [near, other].map(|given| given.disparity());
+        assert!(near.at(1, 5) > near.at(0, 0) && other.at(1, 5) < other.at(0, 0));
     }
 
     #[test]
@@ -114,6 +144,6 @@ mod tests {
         let mut bytes = Vec::new();
         pfm::write_pfm(&mut bytes, [1, 2], &[3.5, -1.25]).unwrap();
         let map = parse(&bytes).unwrap();
-        assert_eq!(map.disparity(map.near_end_guess(), [0.0, 1.0]).disparity_px, [3.5, -1.25]);
+        assert_eq!(map.read_as(map.near_end_guess()).unwrap().disparity().disparity_px(), [3.5, -1.25]);
     }
 }

@@ -19,7 +19,7 @@ use crate::io::save::{SaveError, exif};
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
 pub fn write_pfm(path: &Path, map: &DisparityMap) -> Result<(), SaveError> {
-    out::single(path, |out| pfm::write_pfm(out, map.size, &map.disparity_px))
+    out::single(path, |out| pfm::write_pfm(out, map.size(), map.disparity_px()))
 }
 
 /// Writes a map as 16-bit grey PNG, white near; the range stands in the text chunks `DisparityMin` and `DisparityMax`.
@@ -30,10 +30,10 @@ pub fn write_png16(path: &Path, map: &DisparityMap) -> Result<(), SaveError> {
     let [far, near] = map.range_px();
     let scale = if near > far { 65_535.0 / (near - far) } else { 0.0 };
     let value = |d: f32| (((d - far) * scale).round().clamp(0.0, 65_535.0) as u16).to_be_bytes();
-    let rows =
-        map.disparity_px.chunks_exact(map.size[0] as usize).map(|row| row.iter().flat_map(|&d| value(d)).collect());
+    let rows = map.disparity_px().chunks_exact(map.size()[0] as usize);
+    let rows = rows.map(|row| row.iter().flat_map(|&d| value(d)).collect());
     let texts = [("DisparityMin", far.to_string()), ("DisparityMax", near.to_string())];
-    out::single(path, |out| out::png(out, map.size, (ColorType::Grayscale, BitDepth::Sixteen), &texts, rows))
+    out::single(path, |out| out::png(out, map.size(), (ColorType::Grayscale, BitDepth::Sixteen), &texts, rows))
 }
 
 /// Longest piece of extended XMP in one segment.
@@ -127,9 +127,9 @@ fn depth_png(bytes: &mut Vec<u8>, map: &DisparityMap) -> std::io::Result<()> {
     let [far, near] = map.range_px();
     let scale = if near > far { 65_535.0 / (near - far) } else { 0.0 };
     let value = |d: f32| (((near - d) * scale).round() as u16).to_be_bytes();
-    let rows = map.disparity_px.chunks_exact(map.size[0] as usize);
+    let rows = map.disparity_px().chunks_exact(map.size()[0] as usize);
     let rows = rows.map(|row| row.iter().flat_map(|&d| value(d)).collect());
-    out::png(bytes, map.size, (ColorType::Grayscale, BitDepth::Sixteen), &[], rows)
+    out::png(bytes, map.size(), (ColorType::Grayscale, BitDepth::Sixteen), &[], rows)
 }
 
 #[cfg(test)]
@@ -138,7 +138,7 @@ mod tests {
     use crate::io::{DepthKind, Opened, open_bytes};
 
     fn map() -> DisparityMap {
-        DisparityMap { size: [64, 48], disparity_px: (0..64 * 48).map(|n| (n % 64) as f32 / 16.0 - 1.5).collect() }
+        DisparityMap::new([64, 48], (0..64 * 48).map(|n| (n % 64) as f32 / 16.0 - 1.5).collect()).unwrap()
     }
 
     #[test]
@@ -150,13 +150,13 @@ mod tests {
         let Opened::Photo(file) = open_bytes(&std::fs::read(&path).unwrap(), None).unwrap() else { panic!("a photo") };
         assert!(file.warnings.is_empty(), "{:?}", file.warnings);
         let depth = file.depth.as_ref().unwrap();
-        assert_eq!((depth.kind, depth.size, depth.metric), (DepthKind::Gdepth, [64, 48], false));
-        let back = depth.disparity([-1.0, 1.0]);
+        assert_eq!((depth.kind, depth.map.size(), depth.metric), (DepthKind::Gdepth, [64, 48], false));
+        let back = depth.map.stretched([-1.0, 1.0]);
         assert!(back.at(63, 5) > 0.95 && back.at(0, 5) < -0.95, "right is near, as it was written");
         let worst = |(got, x): (&f32, usize)| {
             (got - (back.at(0, 0) * (63 - x) as f32 + back.at(63, 0) * x as f32) / 63.0).abs()
         };
-        let row = back.disparity_px[..64].iter().zip(0..64).map(worst);
+        let row = back.disparity_px()[..64].iter().zip(0..64).map(worst);
         assert!(row.fold(0.0, f32::max) < 1e-4, "and linear in disparity, to 16 bits");
     }
 
@@ -189,9 +189,9 @@ mod tests {
         write_pfm(&float, &map()).unwrap();
         assert_eq!(pfm::read_pfm(&float).unwrap(), map());
         let read = super::super::depth_map::read(&png).unwrap();
-        assert_eq!((read.values[0], read.values[63]), (0.0, 1.0));
+        assert_eq!((read.values.pixels()[0], read.values.pixels()[63]), (0.0, 1.0));
         let truth = map();
-        let worst = read.values.iter().zip(&truth.disparity_px).map(|(v, d)| (v - (d + 1.5) / 3.9375).abs());
+        let worst = read.values.pixels().iter().zip(truth.disparity_px()).map(|(v, d)| (v - (d + 1.5) / 3.9375).abs());
         assert!(worst.fold(0.0, f32::max) < 1e-5);
     }
 }

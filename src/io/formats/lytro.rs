@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use serde_json::Value;
 
+use crate::field::RelativeDepth;
 use crate::io::file_type::FileType;
 use crate::io::raster;
 use crate::io::{DepthKind, EmbeddedDepth, PhotoFile, Problem};
@@ -152,12 +153,8 @@ fn depth_table(container: &Container, table: &Value) -> Result<EmbeddedDepth, St
     let bytes = container.data.get(name).ok_or("its data are missing")?;
     let count = (width * height) as usize;
     let values = bytes.get(..count * 4).ok_or("it is cut off")?.as_chunks().0.iter().map(|b| -f32::from_le_bytes(*b));
-    Ok(EmbeddedDepth {
-        kind: DepthKind::LytroTable,
-        size: [width as u32, height as u32],
-        inverse_depth: values.collect(),
-        metric: false,
-    })
+    let map = RelativeDepth::new([width as u32, height as u32], values.collect()).map_err(|error| error.to_string())?;
+    Ok(EmbeddedDepth { kind: DepthKind::LytroTable, map, metric: false })
 }
 
 #[cfg(test)]
@@ -206,7 +203,7 @@ mod tests {
     fn a_processed_file_opens_with_its_depth() {
         let Opened::Photo(file) = open_bytes(&stack(), None).unwrap() else { panic!("a photo") };
         assert!(file.photo.srgb8()[0].abs_diff(200) < 3, "the picture nearest to λ = 0");
-        assert_eq!(file.depth.as_ref().unwrap().inverse_depth, [5.0, -1.0, -2.0, -9.0]);
+        assert_eq!(file.depth.as_ref().unwrap().map.nearness(), [5.0, -1.0, -2.0, -9.0]);
     }
 
     #[test]

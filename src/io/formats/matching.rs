@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::field::{DisparityMap, View, bilinear};
+use crate::field::{RelativeDepth, View, bilinear};
 
 /// A grey picture.
 ///
@@ -78,9 +78,9 @@ pub(crate) fn box_mean(values: &[f32], [w, h]: [u32; 2], half: usize) -> Vec<f32
     out
 }
 
-/// Shift of every pixel of `from` in `to`: `from(x) = to(x + sign · d)`, larger `d` is nearer, in pixels of the map's
-/// own width. None where the pictures do not match at all.
-pub(crate) fn stereo(from: &Gray, to: &Gray, sign: f32) -> Option<DisparityMap> {
+/// Shift of every pixel of `from` in `to`: `from(x) = to(x + sign · d)`, larger `d` is nearer. None where the pictures
+/// do not match at all.
+pub(crate) fn stereo(from: &Gray, to: &Gray, sign: f32) -> Option<RelativeDepth> {
     let (from, to) = (from.fit_width(STEREO_WIDTH), to.fit_width(STEREO_WIDTH));
     if from.size != to.size {
         return None;
@@ -105,7 +105,7 @@ pub(crate) fn stereo(from: &Gray, to: &Gray, sign: f32) -> Option<DisparityMap> 
     let found: Vec<(f32, f32)> = (0..(w * h) as usize).map(best).collect();
     let mean = found.iter().map(|(_, cost)| cost).sum::<f32>() / found.len() as f32;
     let map: Vec<f32> = found.into_iter().map(|(d, _)| d).collect();
-    (mean < 0.05).then(|| DisparityMap { size: [w, h], disparity_px: median(&median(&map, [w, h]), [w, h]) })
+    if mean < 0.05 { RelativeDepth::new([w, h], median(&median(&map, [w, h]), [w, h])).ok() } else { None }
 }
 
 /// The middle value of 5×5 pixels, edges go on.
@@ -149,9 +149,10 @@ pub(crate) mod tests {
                 .collect(),
         };
         let (left, right) = (paint([0.0, 0.0]), paint([6.0, 1.0]));
+        let at = |map: &RelativeDepth, x: usize, y: usize| map.nearness()[y * w as usize + x];
         let map = stereo(&left, &right, -1.0).unwrap();
-        assert_eq!((map.at(80, 60), map.at(30, 100)), (6.0, 1.0));
+        assert_eq!((at(&map, 80, 60), at(&map, 30, 100)), (6.0, 1.0));
         let back = stereo(&right, &left, 1.0).unwrap();
-        assert_eq!((back.at(74, 60), back.at(130, 100)), (6.0, 1.0));
+        assert_eq!((at(&back, 74, 60), at(&back, 130, 100)), (6.0, 1.0));
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::depth_map::DepthMap;
-use crate::field::DisparityMap;
+use crate::field::{DisparityMap, Raster};
 use crate::io::file_type::FileType;
 use crate::io::open::{MAX_FILE_BYTES, read_up_to};
 use crate::io::raster::check_size;
@@ -16,9 +16,7 @@ pub(crate) const TYPE: FileType = FileType {
     name: FORMAT,
     suffixes: &["pfm"],
     begins: |bytes| matches!(bytes, [b'P', b'f' | b'F', b'\n' | b'\r' | b' ', ..]),
-    map: Some(|bytes| {
-        parse_pfm(bytes).map(|map| DepthMap { size: map.size, values: map.disparity_px, is_disparity: true })
-    }),
+    map: Some(|bytes| parse_pfm(bytes).map(|values| DepthMap { values, is_disparity: true })),
     ..FileType::UNKNOWN
 };
 /// A header with comments that somebody wrote by hand.
@@ -29,25 +27,30 @@ const MAX_HEADER_BYTES: u64 = 64 << 10;
 /// # Errors
 /// [`OpenError`], if it is cut off, too large, or has three channels.
 pub fn read_pfm(path: &Path) -> Result<DisparityMap, OpenError> {
-    read_up_to(path, MAX_FILE_BYTES).and_then(|bytes| parse_pfm(&bytes)).map_err(OpenError::at(Some(path)))
+    read_up_to(path, MAX_FILE_BYTES).and_then(|bytes| disparity(parse_pfm(&bytes)?)).map_err(OpenError::at(Some(path)))
 }
 
 /// Reads a map that must have this size; a file that is too long for it is not read.
 pub(crate) fn read_sized(path: &Path, size: [u32; 2]) -> Result<DisparityMap, Problem> {
     let most = u64::from(size[0]) * u64::from(size[1]) * 4 + MAX_HEADER_BYTES;
-    let map = parse_pfm(&read_up_to(path, most)?)?;
-    if map.size != size {
-        let ([w, h], [want_w, want_h]) = (map.size, size);
+    let map = disparity(parse_pfm(&read_up_to(path, most)?)?)?;
+    if map.size() != size {
+        let ([w, h], [want_w, want_h]) = (map.size(), size);
         return Err(Problem::damaged(FORMAT, format!("it has {w}×{h} values for views of {want_w}×{want_h} pixels")));
     }
     Ok(map)
 }
 
-/// Reads a map of one channel from memory.
+/// The values as disparities.
+fn disparity(map: Raster<f32>) -> Result<DisparityMap, Problem> {
+    DisparityMap::new(map.size(), map.into_pixels()).map_err(Problem::Map)
+}
+
+/// Reads a map of one channel from memory, whatever its values are.
 ///
 /// # Errors
 /// [`Problem`], if it is cut off, too large, or has three channels.
-pub fn parse_pfm(bytes: &[u8]) -> Result<DisparityMap, Problem> {
+pub fn parse_pfm(bytes: &[u8]) -> Result<Raster<f32>, Problem> {
     let mut rest = bytes;
     if next_word(&mut rest)? != "Pf" {
         return Err(Problem::damaged(FORMAT, "a map of one channel begins with `Pf`"));
@@ -64,7 +67,7 @@ pub fn parse_pfm(bytes: &[u8]) -> Result<DisparityMap, Problem> {
     let factor = scale.abs();
     let value = |b: &[u8; 4]| factor * if scale < 0.0 { f32::from_le_bytes(*b) } else { f32::from_be_bytes(*b) };
     let rows = data.as_chunks().0.chunks_exact(width as usize).rev();
-    Ok(DisparityMap { size: [width, height], disparity_px: rows.flatten().map(value).collect() })
+    Ok(Raster::new([width, height], rows.flatten().map(value).collect())?)
 }
 
 /// The next word of the header; comment lines are skipped, one white space behind the word is eaten.
@@ -112,21 +115,21 @@ pub fn write_pfm(out: &mut impl Write, size: [u32; 2], values: &[f32]) -> io::Re
 mod tests {
     use super::*;
 
-    fn map() -> DisparityMap {
-        DisparityMap { size: [3, 2], disparity_px: vec![1.0, -2.5, 0.1, f32::MIN_POSITIVE, 4e9, -0.0] }
+    fn map() -> Raster<f32> {
+        Raster::new([3, 2], vec![1.0, -2.5, 0.1, f32::MIN_POSITIVE, 4e9, -0.0]).unwrap()
     }
 
     fn written() -> Vec<u8> {
         let mut bytes = Vec::new();
-        write_pfm(&mut bytes, map().size, &map().disparity_px).unwrap();
+        write_pfm(&mut bytes, map().size(), map().pixels()).unwrap();
         bytes
     }
 
     #[test]
     fn every_bit_survives() {
         let back = parse_pfm(&written()).unwrap();
-        assert_eq!(back.size, map().size);
-        let bits = |map: &DisparityMap| map.disparity_px.iter().map(|d| d.to_bits()).collect::<Vec<_>>();
+        assert_eq!(back.size(), map().size());
+        let bits = |map: &Raster<f32>| map.pixels().iter().map(|d| d.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&back), bits(&map()));
     }
 
@@ -136,7 +139,7 @@ mod tests {
         bytes.extend(1.0f32.to_be_bytes());
         bytes.extend(3.0f32.to_be_bytes());
         let map = parse_pfm(&bytes).unwrap();
-        assert_eq!(map.disparity_px, [6.0, 2.0]);
+        assert_eq!(map.pixels(), [6.0, 2.0]);
     }
 
     #[test]

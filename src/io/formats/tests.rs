@@ -5,8 +5,7 @@ use std::sync::LazyLock;
 
 use super::layout::tests::scene;
 use super::*;
-use crate::field::Picture;
-use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewPoint};
+use crate::field::{LightField, Picture, RayDepths, ViewIndex, ViewPoint};
 use crate::io::save::{self, PictureOptions};
 use crate::io::{Opened, open};
 use crate::job::Cancel;
@@ -45,7 +44,7 @@ fn write(id: &str, dir: &Path, source: &FieldToWrite, job: &Job) -> PathBuf {
         return path;
     }
     let reference = source.field.reference();
-    let map = DisparityMap { size: source.field.size(), disparity_px: source.depths.unwrap().reference().to_vec() };
+    let map = source.depths.unwrap().reference_map();
     let [w, h] = source.field.size();
     let plain =
         |point: ViewPoint| Picture { size: [w, h], rgb_linear: vec![point.0.du / 20.0 + 0.5; (w * h * 3) as usize] };
@@ -82,7 +81,7 @@ fn every_format_that_is_written_keeps_what_the_table_says() {
         let again = write(entry.id, dir.path(), &source, job);
         assert!(path == again && path.exists(), "{}: writing over works", entry.id);
         match entry.keeps {
-            Keeps::OneMap => assert_eq!(pfm::read_pfm(&path).unwrap().disparity_px, depths.reference()),
+            Keeps::OneMap => assert_eq!(pfm::read_pfm(&path).unwrap().disparity_px(), depths.reference()),
             Keeps::Made => {}
             Keeps::Views | Keeps::ViewsAndDepths => {
                 let file = light_field(&path);
@@ -144,7 +143,7 @@ fn what_the_table_reads_and_makes_opens_too() {
     let Opened::Photo(photo) = open(&write("refocus", dir.path(), &source, job), job).unwrap() else { panic!() };
     assert_eq!(photo.info.size, field.size());
     let map = depth_map::read(&write(".png", dir.path(), &source, job)).unwrap();
-    assert_eq!((map.size, map.is_disparity), ([40, 30], false));
+    assert_eq!((map.size(), map.is_disparity), ([40, 30], false));
 }
 
 #[test]
@@ -176,7 +175,7 @@ fn the_benchmarks_tools_find_the_truth_of_the_view_that_they_show() {
         let path = dir.path().join(side.to_string());
         hci::write(&path, &FieldToWrite { depths: Some(&depths), ..FieldToWrite::new(&field) }, job).unwrap();
         let truth = pfm::read_pfm(&path.join("gt_disp_lowres.pfm")).unwrap();
-        assert_eq!(truth.disparity_px, depths.view(center));
+        assert_eq!(truth.disparity_px(), depths.view(center));
         assert!(light_field(&path).warnings.is_empty());
         field.grid().views().for_each(|at| {
             let number = field.grid().layer_from_view(at);

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::grid_names::{self, GridFiles};
 use super::out::{self, FieldToWrite};
 use super::{layout, pfm};
-use crate::field::{LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
+use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
 use crate::io::save::{self, SaveError};
 use crate::io::{FileInfo, LightFieldFile, Opened, Problem, raster};
@@ -175,7 +175,7 @@ pub(super) fn read_depths(
         .map(|&at| {
             let path = name(at);
             let map = pfm::read_sized(&path, field.size());
-            map.map(|map| map.disparity_px).map_err(|problem| format!("{problem}: {}", path.display()))
+            map.map(DisparityMap::into_disparity_px).map_err(|problem| format!("{problem}: {}", path.display()))
         })
         .collect();
     job.check()?;

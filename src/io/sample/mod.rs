@@ -39,7 +39,7 @@ pub fn sample() -> Result<Sample, FieldError> {
     let scene = plants::garden(SIZE);
     let (rgba, disparity_px) = draw(&scene, SIZE);
     let photo = Photo::from_srgb8(SIZE, rgba)?;
-    Ok(Sample { photo: Arc::new(photo), disparity: DisparityMap { size: SIZE, disparity_px } })
+    Ok(Sample { photo: Arc::new(photo), disparity: DisparityMap::new(SIZE, disparity_px)? })
 }
 
 /// Rows that one task draws.
@@ -79,13 +79,13 @@ mod tests {
     fn the_sample_is_the_same_at_every_run() {
         let (first, second) = (sample().unwrap(), sample().unwrap());
         assert_eq!(first.photo.srgb8(), second.photo.srgb8());
-        assert_eq!(first.disparity.disparity_px, second.disparity.disparity_px);
+        assert_eq!(first.disparity, second.disparity);
     }
 
     #[test]
     fn it_has_something_near_and_something_far_and_no_hole() {
         let sample = sample().unwrap();
-        let values = &sample.disparity.disparity_px;
+        let values = sample.disparity.disparity_px();
         assert!(values.iter().all(|value| value.is_finite()));
         let per_view = SIZE[0] as f32 * DISPARITY_PER_WIDTH;
         let share = |of: &dyn Fn(f32) -> bool| {
@@ -102,7 +102,7 @@ mod tests {
         let [width, _] = SIZE.map(|side| side as usize);
         let mut at_steps = (0.0, 0);
         let mut elsewhere = (0.0, 0);
-        for (at, pair) in disparity.disparity_px.windows(2).enumerate() {
+        for (at, pair) in disparity.disparity_px().windows(2).enumerate() {
             if (at + 1) % width == 0 {
                 continue;
             }

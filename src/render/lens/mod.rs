@@ -34,7 +34,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::field::{DisparityMap, Lens, Photo, Pixels, Samples};
+use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples};
 use crate::job::{Cancelled, Job, Stage};
 use crate::render::Picture;
 
@@ -57,11 +57,9 @@ pub use tile::Region;
 /// Why a picture could not be refocused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LensError {
-    /// Values that are no numbers.
-    #[error(
-        "the disparity map cannot be used — it has values that are not numbers (NaN or infinity) — repair it first"
-    )]
-    NotANumber,
+    /// A photo or a map that is none.
+    #[error(transparent)]
+    Field(#[from] FieldError),
     /// A map of another shape than the photo.
     #[error(
         "the disparity map cannot be used — it is {map:?} pixels where the photo is {photo:?}, which is another shape — give the map of this photo"
@@ -93,16 +91,13 @@ impl Scene {
     /// A scene of a photo and a disparity map of any size but the photo's shape. A map of one value everywhere may have
     /// any shape. The picture will be in the photo's own primaries.
     pub fn new(photo: Arc<Photo>, disparity: DisparityMap) -> Result<Self, LensError> {
-        if disparity.disparity_px.iter().any(|d| !d.is_finite()) {
-            return Err(LensError::NotANumber);
-        }
         let ratio = |size: [u32; 2]| f64::from(size[0]) / f64::from(size[1]);
         let [low, high] = disparity.range_px();
         // Small maps are rounded to whole pixels, which changes their shape.
-        let rounding = 1.0 / f64::from(disparity.size[0].min(disparity.size[1]));
-        let apart = (ratio(disparity.size) / ratio(photo.size())).ln().abs();
+        let rounding = 1.0 / f64::from(disparity.size()[0].min(disparity.size()[1]));
+        let apart = (ratio(disparity.size()) / ratio(photo.size())).ln().abs();
         if low < high && apart > SHAPE_TOLERANCE + rounding {
-            return Err(LensError::Shape { map: disparity.size, photo: photo.size() });
+            return Err(LensError::Shape { map: disparity.size(), photo: photo.size() });
         }
         Ok(Self { photo, disparity, behind: None, space: Space::Own })
     }

@@ -12,15 +12,15 @@ const SHARP_PX: f32 = 0.5;
 /// - returns `[y, x]`, 0 … 255, of the view's size
 pub fn peaking(view: &View, disparity: &DisparityMap, lens: &Lens) -> Vec<u8> {
     let [width, height] = view.size();
-    let scale = width as f32 / disparity.size[0] as f32;
+    let scale = disparity.scale_to(view.size());
     let luma = |x: u32, y: u32| {
         let [r, g, b, _] = view.pixel(x.min(width - 1), y.min(height - 1)).map(i32::from);
         (2 * r + 5 * g + b) / 8
     };
     let mark = |x: u32, y: u32| {
         let at = |i: u32, from: u32, to: u32| (i as f32 + 0.5) / from as f32 * to as f32;
-        let map = [at(x, width, disparity.size[0]) as u32, at(y, height, disparity.size[1]) as u32];
-        let here = disparity.at(map[0].min(disparity.size[0] - 1), map[1].min(disparity.size[1] - 1));
+        let map = [at(x, width, disparity.size()[0]) as u32, at(y, height, disparity.size()[1]) as u32];
+        let here = disparity.at(map[0].min(disparity.size()[0] - 1), map[1].min(disparity.size()[1] - 1));
         let place = [at(x, width, 1), at(y, height, 1)];
         // As at the paper's widest aperture: a wider one would leave nothing to see, a narrower one everything.
         let blur = 8.0 * scale * lens.defocus_px(here, place[0], place[1]).abs();

@@ -83,9 +83,9 @@ impl Seen {
 
 impl Surfaces {
     pub(super) fn new(map: DisparityMap, light: &Light) -> Self {
-        let size = fit_long_side(map.size, GRID_SIDE);
+        let size = fit_long_side(map.size(), GRID_SIDE);
         let grid = nearest(&map, size);
-        let ratio = size[0] as f32 / map.size[0] as f32;
+        let ratio = map.scale_to(size);
         let small = light.reduced([size[0].min(light.size()[0]), size[1].min(light.size()[1])]);
         let colors = Colors { light: &small, size };
         let soft = soft(&grid, size);
@@ -102,7 +102,7 @@ impl Surfaces {
     }
 
     pub(super) fn map_size(&self) -> [u32; 2] {
-        self.map.size
+        self.map.size()
     }
 
     pub(super) fn range_px(&self) -> [f32; 2] {
@@ -111,7 +111,7 @@ impl Surfaces {
 
     /// Reads rows of pixels of a picture of `size`, from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: [u32; 2]) -> Reader<'_> {
-        let map_x = Axis::new(x0, count, size[0], self.map.size[0]);
+        let map_x = Axis::new(x0, count, size[0], self.map.size()[0]);
         let grid_x = Axis::new(x0, count, size[0], self.size[0]);
         Reader { surfaces: self, map_x, grid_x, size }
     }
@@ -134,7 +134,7 @@ pub(super) struct Row {
 impl Reader<'_> {
     pub(super) fn at_row(&self, y: i32) -> Row {
         let s = self.surfaces;
-        let map_y = Axis::new(y, 1, self.size[1], s.map.size[1]).get(0);
+        let map_y = Axis::new(y, 1, self.size[1], s.map.size()[1]).get(0);
         Row { map_y, grid_y: Axis::new(y, 1, self.size[1], s.size[1]).get(0) }
     }
 
@@ -143,7 +143,7 @@ impl Reader<'_> {
     pub(super) fn disparity(&self, row: &Row, i: usize) -> f32 {
         let (x0, x1, tx) = self.map_x.get(i);
         let (y0, y1, ty) = row.map_y;
-        let (map, width) = (&self.surfaces.map.disparity_px, self.surfaces.map.size[0] as usize);
+        let (map, width) = (self.surfaces.map.disparity_px(), self.surfaces.map.size()[0] as usize);
         let (a, b) = (map[y0 * width + x0], map[y0 * width + x1]);
         let (c, d) = (map[y1 * width + x0], map[y1 * width + x1]);
         mix(mix(a, b, tx), mix(c, d, tx), ty)
@@ -171,7 +171,7 @@ impl Reader<'_> {
         let by_map = (disparity - far) / apart;
         let soft = (cell[SOFT] - far) / apart;
         // One pixel of the map is many of the photo: the map's ramp becomes one of two photo pixels.
-        let scale = self.size[0] as f32 / self.surfaces.map.size[0] as f32;
+        let scale = self.size[0] as f32 / self.surfaces.map.size()[0] as f32;
         let steep = 0.5 + (by_map - 0.5) * (scale / 2.0).max(1.0);
         let at: f32 = (0..3).map(|c| (color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]) * cell[AXIS + c]).sum();
         let by_color = 0.5 + 1.6 * (at.clamp(-0.5, 1.5) - 0.5);
@@ -206,8 +206,8 @@ fn near_part(cell: &[f32; LEN], color: &[f32; 3]) -> ([f32; 3], f32) {
 /// The map at another size, its values as they are: means would invent depths at edges.
 fn nearest(map: &DisparityMap, size: [u32; 2]) -> Vec<f32> {
     let place = |i: u32, axis: usize| {
-        let at = (f64::from(i) + 0.5) * f64::from(map.size[axis]) / f64::from(size[axis]);
-        (at as u32).min(map.size[axis] - 1)
+        let at = (f64::from(i) + 0.5) * f64::from(map.size()[axis]) / f64::from(size[axis]);
+        (at as u32).min(map.size()[axis] - 1)
     };
     (0..size[1])
         .flat_map(|y| (0..size[0]).map(move |x| (x, y)))

@@ -33,7 +33,7 @@ impl Scene {
         let full = self.photo.size();
         let size = [0, 1].map(|axis| size[axis].clamp(1, full[axis]));
         let front = Front::new(self, size);
-        let scale = size[0] as f32 / self.disparity.size[0] as f32;
+        let scale = self.disparity.scale_to(size);
         let shift = [eye.0.du * scale, eye.0.dv * scale];
         let [width, height] = size.map(|s| s as usize);
         let mut wide = vec![u16::MAX; width * height * 4];
@@ -173,11 +173,11 @@ impl Front {
     /// The scene of what was seen.
     fn scene(&self, from: &Scene, wide: Vec<u16>, depth: &[f32]) -> Result<Scene, LensError> {
         // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
-        let size = from.disparity.size;
+        let size = from.disparity.size();
         let place = |i: u32, axis: usize| (2 * i as usize + 1) * self.size[axis] as usize / (2 * size[axis] as usize);
         let cell = |(x, y)| depth[place(y, 1) * self.size[0] as usize + place(x, 0)];
         let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
-        let map = DisparityMap { size, disparity_px: cells.map(cell).collect() };
+        let map = DisparityMap::new(size, cells.map(cell).collect())?;
         let transfer = &self.transfer;
         let to_8 = |p: &[u16]| {
             let of = |c: usize| srgb8_from_linear(transfer.linear_from_16(c, p[c]));
@@ -188,8 +188,7 @@ impl Front {
         if from.space == Space::Srgb {
             metadata.icc = None;
         }
-        let photo = Photo::new(self.size, PhotoPixels::Sixteen(wide.into()), narrow.into(), metadata);
-        let photo = photo.map_err(|_wrong_size| LensError::NotANumber)?;
+        let photo = Photo::new(self.size, PhotoPixels::Sixteen(wide.into()), narrow.into(), metadata)?;
         let photo = match from.photo.source() {
             Some(path) => photo.with_source(path),
             None => photo,

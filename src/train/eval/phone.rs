@@ -38,10 +38,11 @@ pub fn evaluate(path: &Path, file: &PhotoFile, predictor: &dyn Predictor) -> any
     let size @ [w, h] = view.size().map(|side| side as usize);
     let texel = |p: &[u8]| [0, 1, 2].map(|c| f32::from(p[c]) / 255.0);
     let photo = Raster { size, px: view.rgba().chunks_exact(4).map(texel).collect() };
-    let [mw, mh] = depth.size.map(|side| side as usize);
+    let [mw, mh] = depth.map.size().map(|side| side as usize);
     // The nearest value: between two, a mean would be a depth that is nowhere.
-    let phone =
-        Raster::from_fn(size, |x, y| depth.inverse_depth[(2 * y + 1) * mh / (2 * h) * mw + (2 * x + 1) * mw / (2 * w)]);
+    let phone = Raster::from_fn(size, |x, y| {
+        depth.map.nearness()[(2 * y + 1) * mh / (2 * h) * mw + (2 * x + 1) * mw / (2 * w)]
+    });
     let prediction = predictor.predict(&photo)?;
     let own = prediction.view(REFERENCE, w * h);
     let known: Vec<usize> = (0..w * h).filter(|&i| phone.px[i].is_finite()).collect();

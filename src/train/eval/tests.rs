@@ -1,5 +1,6 @@
 //! The measures on scenes whose answers are known.
 
+use plenoscope::field::RelativeDepth;
 use plenoscope::io::{self, DepthKind, EmbeddedDepth, Opened};
 use plenoscope::job::{Cancel, Job};
 
@@ -186,8 +187,12 @@ fn the_phones_order_is_compared_where_it_knows_one() {
     let text = phone::evaluate(&path, &file, &to_the_right).err().unwrap().to_string();
     assert!(text.contains("photo.png") && text.contains("expected"), "{text}");
     // Nearer to the right, in no even steps; unknown in the upper half, where it would be the other way round.
-    let inverse_depth = (0..200).map(|i| if i < 100 { f32::NAN } else { (i % 20) as f32 * (i % 20) as f32 }).collect();
-    file.depth = Some(EmbeddedDepth { kind: DepthKind::Gdepth, size: [20, 10], inverse_depth, metric: false });
+    let nearness = (0..200).map(|i| if i < 100 { f32::NAN } else { (i % 20) as f32 * (i % 20) as f32 }).collect();
+    file.depth = Some(EmbeddedDepth {
+        kind: DepthKind::Gdepth,
+        map: RelativeDepth::new([20, 10], nearness).unwrap(),
+        metric: false,
+    });
     let (found, tiles) = phone::evaluate(&path, &file, &to_the_right).unwrap();
     assert!(found.spearman > 0.99 && found.rows_spearman.abs() < 1e-6, "{found:?}");
     assert_eq!((found.known, tiles.len()), (0.5, 3));

@@ -1,7 +1,8 @@
 //! Apple's portrait photos: a second picture holds the depth, and XMP beside it the scale (namespace `apdi`).
 
 use super::jpeg::Extras;
-use super::{UnitMap, unit_map};
+use super::unit_map;
+use crate::field::RelativeDepth;
 use crate::io::jpeg_parts;
 use crate::io::xmp::Xmp;
 use crate::io::{DepthKind, EmbeddedDepth};
@@ -53,12 +54,12 @@ impl Scale {
     }
 
     /// The map in inverse depth. Disparity is 1/m already: `FloatMin + n · (FloatMax − FloatMin)`.
-    pub(super) fn apply(&self, map: UnitMap) -> EmbeddedDepth {
+    pub(super) fn apply(&self, map: RelativeDepth) -> EmbeddedDepth {
         let [low, high] = self.range;
-        let UnitMap { size, values } = map.map(|n| {
+        let map = map.map(|n| {
             let value = low + n * (high - low);
             if self.is_depth { 1.0 / value.max(1e-3) } else { value }
         });
-        EmbeddedDepth { kind: DepthKind::ApplePortrait, size, inverse_depth: values, metric: self.metric }
+        EmbeddedDepth { kind: DepthKind::ApplePortrait, map, metric: self.metric }
     }
 }

@@ -3,7 +3,8 @@
 //! Specification: developers.google.com/depthmap-metadata. White is far.
 
 use super::jpeg::Extras;
-use super::{UnitMap, dynamic, unit_map};
+use super::{dynamic, unit_map};
+use crate::field::RelativeDepth;
 use crate::io::raster::{self, Raster};
 use crate::io::xmp::Xmp;
 use crate::io::{DepthKind, EmbeddedDepth};
@@ -50,9 +51,8 @@ impl Range {
         per_unit / self.metres.unwrap_or(1.0)
     }
 
-    pub(super) fn apply(&self, map: UnitMap, kind: DepthKind) -> EmbeddedDepth {
-        let UnitMap { size, values } = map.map(|n| self.inverse_depth(n));
-        EmbeddedDepth { kind, size, inverse_depth: values, metric: self.metres.is_some() }
+    pub(super) fn apply(&self, map: RelativeDepth, kind: DepthKind) -> EmbeddedDepth {
+        EmbeddedDepth { kind, map: map.map(|n| self.inverse_depth(n)), metric: self.metres.is_some() }
     }
 }
 

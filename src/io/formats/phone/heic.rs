@@ -6,11 +6,12 @@ use heifer::heifer_isobmff::boxes::Property;
 use heifer::heifer_isobmff::{HeifFile, ItemId};
 
 use super::apple::Scale;
-use super::{UnitMap, spatial};
+use super::spatial;
+use crate::field::RelativeDepth;
 use crate::io::file_type::FileType;
 use crate::io::formats;
 use crate::io::raster::heif::{Cicp, check_parts, is_heic, turn};
-use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, hdr, orient};
+use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, hdr};
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};
 
@@ -115,13 +116,12 @@ fn decode_depth(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<Embedd
     let image = decode_item(file, file_bytes, id)?;
     let max = f32::from(image.max_value());
     let values = image.data.chunks_exact(4).map(|px| f32::from(px[0]) / max).collect();
-    let map = UnitMap { size: [image.width, image.height], values };
+    let map = RelativeDepth::new([image.width, image.height], values)?;
     let packet = file.xmp(id).ok().flatten().unwrap_or_default();
     let xmp = Xmp::parse(&packet).unwrap_or_default();
     let depth = Scale::from_xmp(&xmp).apply(map);
     // A map without turns of its own lies as the photo does before its turns.
     let [photo, own] = [turn(file, file.primary_id), turn(file, id)];
     let missing = if own == 1 { photo } else { 1 };
-    let (size, inverse_depth) = orient(depth.inverse_depth, depth.size, missing);
-    Ok(EmbeddedDepth { size, inverse_depth, ..depth })
+    Ok(depth.oriented(missing)?)
 }

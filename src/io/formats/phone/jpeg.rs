@@ -4,9 +4,9 @@ use super::gdepth;
 use crate::io::file_type::{FileType, Pixels};
 use crate::io::formats;
 use crate::io::jpeg_parts::{self, JpegParts};
-use crate::io::raster::{self, Raster, orient};
+use crate::io::raster::{self, Raster};
 use crate::io::xmp::Xmp;
-use crate::io::{EmbeddedDepth, PhotoFile, Problem};
+use crate::io::{PhotoFile, Problem};
 
 /// JPEG photos.
 pub(crate) const TYPE: FileType = FileType {
@@ -56,8 +56,7 @@ fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let mut file = PhotoFile::from_raster(main, TYPE.name)?;
     file.info.notes = notes;
     if let Some(depth) = depth {
-        let (size, inverse_depth) = orient(depth.inverse_depth, depth.size, orientation);
-        file.set_depth(EmbeddedDepth { size, inverse_depth, ..depth });
+        file.set_depth(depth.oriented(orientation)?);
     }
     warnings.into_iter().for_each(|text| file.warn(text));
     Ok(file)

@@ -10,23 +10,13 @@ pub(crate) mod jpeg;
 pub(crate) mod side_file;
 pub(crate) mod spatial;
 
+use crate::field::RelativeDepth;
 use crate::io::Problem;
 use crate::io::raster;
 
-/// A map whose values are 0 … 1.
-struct UnitMap {
-    size: [u32; 2],
-    values: Vec<f32>,
-}
-
 /// Decodes a grey picture to 0 … 1. It is not turned: that is for the photo's orientation to say.
-fn unit_map(bytes: &[u8]) -> Result<UnitMap, Problem> {
+fn unit_map(bytes: &[u8]) -> Result<RelativeDepth, Problem> {
     let raster = raster::decode(bytes)?;
-    Ok(UnitMap { size: raster.size, values: raster.gray() })
-}
-
-impl UnitMap {
-    fn map(self, inverse_depth: impl Fn(f32) -> f32) -> Self {
-        Self { size: self.size, values: self.values.into_iter().map(inverse_depth).collect() }
-    }
+    let (size, values) = (raster.size, raster.gray());
+    Ok(RelativeDepth::new(size, values)?)
 }

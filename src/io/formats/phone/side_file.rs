@@ -29,7 +29,7 @@ pub(crate) fn find(path: &Path, photo: &Photo) -> Found {
         Ok(map) => map,
         Err(problem) => return left_out(problem.to_string()),
     };
-    if !same_shape(map.size, photo.size()) {
+    if !same_shape(map.size(), photo.size()) {
         return left_out("it has another shape".to_owned());
     }
     let end = map.near_end_guess();
@@ -41,8 +41,7 @@ pub(crate) fn find(path: &Path, photo: &Photo) -> Found {
     };
     // A PFM holds disparities.
     let warning = (!map.is_disparity).then(guessed);
-    let depth =
-        EmbeddedDepth { kind: DepthKind::SideFile, size: map.size, inverse_depth: map.nearness(end), metric: false };
+    let depth = EmbeddedDepth { kind: DepthKind::SideFile, map: map.nearness(end), metric: false };
     Found { depth: Some(depth), warning }
 }
 

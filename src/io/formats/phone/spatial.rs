@@ -39,5 +39,5 @@ fn depth(file: &HeifFile, file_bytes: usize, [left, right]: [ItemId; 2]) -> Resu
     // Seen from the right eye, near things have moved to the left.
     let sign = if primary == right { 1.0 } else { -1.0 };
     let map = matching::stereo(&from, &to, sign).ok_or("the two eyes do not match")?;
-    Ok(EmbeddedDepth { kind: DepthKind::SpatialPair, size: map.size, inverse_depth: map.disparity_px, metric: false })
+    Ok(EmbeddedDepth { kind: DepthKind::SpatialPair, map, metric: false })
 }
