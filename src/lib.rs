@@ -33,6 +33,7 @@ pub mod kernel;
 mod panics;
 pub mod recipe;
 pub mod render;
+pub mod scene;
 pub mod series;
 pub mod synth;
 #[cfg(feature = "ui")]

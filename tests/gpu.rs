@@ -15,7 +15,7 @@ use plenoscope::field::{
 };
 use plenoscope::job::{Cancel, Job};
 use plenoscope::render::gpu::{Draw, FieldTexture, Gpu, Target};
-use plenoscope::render::lens::{LensGpu, Prepared, Region, Scene};
+use plenoscope::render::lens::{LensGpu, Prepared, Region, Rgbd};
 use plenoscope::render::{Picture, cpu};
 
 const SIZE: [u32; 2] = [45, 31];
@@ -140,7 +140,7 @@ fn posts(size: [u32; 2]) -> Prepared {
     let ground = |x: u32| -1.2 + 1.4 * x as f32 / size[0] as f32;
     let map = all().map(|(x, y)| if is_post(x, y) { 1.0 } else { ground(x) }).collect();
     let map = DisparityMap::new(size, map).expect("a map");
-    Scene::new(Arc::new(photo), map).expect("a scene").prepare(size)
+    Rgbd::new(Arc::new(photo), map).expect("a scene").prepare(size)
 }
 
 #[test]

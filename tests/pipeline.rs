@@ -125,9 +125,9 @@ fn a_light_field_from_the_cache_is_the_one_that_was_put_there() {
     let cache = Cache::new(kept.path(), 1 << 30);
     let cancel = Cancel::default();
     let (params, job) = (SynthParams::default(), Job { cancel: &cancel, sink: &() });
-    let made = synthesizer.synthesize_cached(&photo(50, 30), &params, &cache, &job).unwrap();
+    let made = synthesizer.synthesize_cached(&photo(50, 30), &params, Some(&cache), &job).unwrap();
     assert!(cache.size_bytes() > 0);
-    let again = synthesizer.synthesize_cached(&photo(50, 30), &params, &cache, &job).unwrap();
+    let again = synthesizer.synthesize_cached(&photo(50, 30), &params, Some(&cache), &job).unwrap();
     assert_eq!((again.field, again.depths), (made.field, made.depths));
 }
 
@@ -138,7 +138,8 @@ fn a_light_field_is_made_anew_when_a_manifest_says_otherwise() {
     let cache = Cache::new(kept.path(), 1 << 30);
     let cancel = Cancel::default();
     let (params, job) = (SynthParams::default(), Job { cancel: &cancel, sink: &() });
-    let made = || Synthesizer::load(&source).unwrap().synthesize_cached(&photo(50, 30), &params, &cache, &job).unwrap();
+    let made =
+        || Synthesizer::load(&source).unwrap().synthesize_cached(&photo(50, 30), &params, Some(&cache), &job).unwrap();
     let before = made();
     let path = folder.path().join("depth/manifest.toml");
     let text = std::fs::read_to_string(&path).unwrap();

@@ -6,6 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use plenoscope::field::{FNumber, LensShape};
 use plenoscope::render::cpu::Colormap;
+use plenoscope::scene::export::{Kind, Settings};
+use plenoscope::scene::{Making, Movement};
 
 use crate::values::{self, Pair, PictureSize, Range, Size};
 
@@ -113,7 +115,7 @@ pub struct Sample {
 #[command(next_help_heading = "From photo to light field")]
 pub struct SynthArgs {
     /// Long side of a view, in pixels; a smaller photo is not enlarged
-    #[arg(long, value_name = "N", default_value_t = 540, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    #[arg(long, value_name = "N", default_value_t = Making::LONG_SIDE, value_parser = clap::value_parser!(u32).range(16..=4096))]
     pub long_side: u32,
     /// Use this ray depth for the reference view instead of a net's (PFM, pixels per view step at its own width)
     #[arg(long, value_name = "FILE.pfm")]
@@ -273,25 +275,10 @@ pub struct Synth {
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// How it is written
-    #[arg(long, value_enum, default_value_t = FieldFormat::Views)]
-    pub format: FieldFormat,
+    #[arg(long, value_name = "FORMAT", default_value = "views", value_parser = values::field_formats())]
+    pub format: Kind,
     #[command(flatten)]
     pub synth: SynthArgs,
-}
-
-/// A format that holds a whole light field.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FieldFormat {
-    /// A folder of view_V_U.png, disparity_V_U.pfm and lightfield.json
-    Views,
-    /// A folder as of the HCI 4-D benchmark, with the ray depths of all views
-    Hci,
-    /// One Lytro-style lenslet picture
-    Eslf,
-    /// A folder with the names of the Stanford archive
-    Stanford,
-    /// One Looking Glass quilt
-    Quilt,
 }
 
 /// Arguments of `export`.
@@ -303,68 +290,30 @@ pub struct Export {
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// What to write
-    #[arg(long = "as", value_enum, value_name = "KIND")]
-    pub kind: ExportKind,
+    #[arg(long = "as", value_name = "KIND", value_parser = values::kinds())]
+    pub kind: Kind,
     #[command(flatten)]
     pub lens: LensArgs,
     /// Size of the frames of focal-stack and animation: photo, light-field, or WxH to fit into
     #[arg(long, value_name = "SIZE")]
     pub size: Option<PictureSize>,
     /// Frames of focal-stack and animation
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(2..=250))]
+    #[arg(long, value_name = "N", default_value_t = Settings::FRAMES, value_parser = values::frames())]
     pub frames: u16,
     /// Frames a second of animation
-    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=50))]
+    #[arg(long, value_name = "N", default_value_t = Settings::FRAMES_PER_SECOND, value_parser = clap::value_parser!(u16).range(1..=50))]
     pub frames_per_second: u16,
     /// What moves in animation
-    #[arg(long, value_enum, default_value_t = MotionKind::FocusPull)]
-    pub motion: MotionKind,
+    #[arg(long, value_name = "MOTION", default_value = "focus-pull", value_parser = values::movements())]
+    pub motion: Movement,
     /// Distance of the eyes of anaglyph and side-by-side, in view steps
-    #[arg(long, value_name = "STEPS", default_value_t = 6.0, value_parser = values::eyes_apart)]
+    #[arg(long, value_name = "STEPS", default_value_t = Settings::EYES_APART, value_parser = values::eyes_apart)]
     pub eyes_apart: f32,
     #[command(flatten)]
     pub synth: SynthArgs,
     /// Write even over the input
     #[arg(long)]
     pub force: bool,
-}
-
-/// What a light field can become.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ExportKind {
-    /// A folder of view_V_U.png, disparity_V_U.pfm and lightfield.json
-    Views,
-    /// A folder as of the HCI 4-D benchmark, with the ray depths of all views
-    Hci,
-    /// One Lytro-style lenslet picture
-    Eslf,
-    /// A folder with the names of the Stanford archive
-    Stanford,
-    /// One Looking Glass quilt
-    Quilt,
-    /// A picture for red-cyan glasses
-    Anaglyph,
-    /// Both eyes beside each other
-    SideBySide,
-    /// A point cloud
-    Ply,
-    /// A JPEG with the ray depth inside, as phones write it
-    Gdepth,
-    /// A folder of pictures focused from far to near, everything sharp, and each pixel's sharpest frame
-    FocalStack,
-    /// A GIF, a WebP or an APNG, by its ending
-    Animation,
-}
-
-/// What moves in an animation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MotionKind {
-    /// The focus, from far to near
-    FocusPull,
-    /// The aperture, from f/28 to --f-number
-    ApertureRamp,
-    /// The eye, once round
-    Circle,
 }
 
 /// Arguments of `batch`.

@@ -2,7 +2,10 @@
 
 use std::str::FromStr;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use plenoscope::field::{FNumber, LensShape};
+use plenoscope::scene::Movement;
+use plenoscope::scene::export::{Group, KINDS, Kind, Settings};
 
 /// Two numbers with a comma between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,6 +88,36 @@ pub fn f_number(text: &str) -> Result<FNumber, String> {
     } else {
         Err("an f-number from 28 (the photo as it is) to 1 is wanted".to_owned())
     }
+}
+
+/// What can be written, as `--as` names it.
+pub fn kinds() -> impl TypedValueParser<Value = Kind> {
+    named(KINDS.iter().map(|spec| (spec.id, spec.hint, spec.kind)).collect())
+}
+
+/// Formats that hold a whole light field.
+pub fn field_formats() -> impl TypedValueParser<Value = Kind> {
+    let all = KINDS.iter().filter(|spec| spec.group == Group::LightField);
+    named(all.map(|spec| (spec.id, spec.hint, spec.kind)).collect())
+}
+
+/// What moves in an animation.
+pub fn movements() -> impl TypedValueParser<Value = Movement> {
+    named(Movement::ALL.iter().map(|(movement, id, _, hint)| (*id, *hint, *movement)).collect())
+}
+
+/// Frames of a stack or an animation.
+pub fn frames() -> impl TypedValueParser<Value = u16> {
+    clap::value_parser!(u16).range(2..=i64::from(Settings::MOST_FRAMES))
+}
+
+/// One of a list of names, each with what it is good for.
+fn named<T: Copy + Send + Sync + 'static>(
+    all: Vec<(&'static str, &'static str, T)>,
+) -> impl TypedValueParser<Value = T> {
+    let names = all.iter().map(|(id, hint, _)| PossibleValue::new(id).help(hint));
+    PossibleValuesParser::new(names)
+        .try_map(move |name| all.iter().find(|(id, ..)| *id == name).map(|(.., value)| *value).ok_or("no such name"))
 }
 
 /// Distance of two eyes, in view steps.

@@ -3,7 +3,7 @@
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
-use super::FieldError;
+use super::{FNumber, FieldError};
 
 /// Views per angular axis. `v` runs down, `u` runs right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -71,6 +71,16 @@ impl ViewGrid {
     /// Views in all.
     pub fn count(self) -> usize {
         self.rows() * self.cols()
+    }
+
+    /// Whether the views reach across a lens: as many in the shorter axis as its aperture is wide.
+    pub fn spans(self, f_number: FNumber) -> bool {
+        f_number.views_across() <= self.rows.min(self.cols).into()
+    }
+
+    /// The circle of viewpoints around the reference view that stays inside the grid, in view steps.
+    pub fn inner_radius(self) -> f32 {
+        f32::from((self.rows.min(self.cols) - 1) / 2)
     }
 
     /// The view that a photo becomes: `(rows / 2, cols / 2)`.

@@ -61,7 +61,7 @@ pub enum LensShape {
     Square,
     /// A polygon of straight blades.
     Blades {
-        /// 5 … 9.
+        /// 5 … 9; renderers take [`LensShape::BLADES`].
         count: u8,
         /// Degrees.
         rotation_deg: f32,
@@ -78,6 +78,16 @@ pub enum LensShape {
         /// 0 none … 1 half the disc in the corners.
         strength: f32,
     },
+}
+
+impl LensShape {
+    /// How many blades a renderer draws at least and at most.
+    pub const BLADES: [u8; 2] = [3, 12];
+
+    /// A number of blades that can be drawn.
+    pub fn blades(count: u8) -> u8 {
+        count.clamp(Self::BLADES[0], Self::BLADES[1])
+    }
 }
 
 /// Everything a refocus needs.
@@ -99,6 +109,15 @@ pub struct Lens {
 }
 
 impl Lens {
+    /// The same lens in pixels of another width, which is `ratio` times as large.
+    #[must_use]
+    pub fn scaled(mut self, ratio: f32) -> Self {
+        self.focus.disparity_px *= ratio;
+        self.focus.tilt_px = self.focus.tilt_px.map(|px| px * ratio);
+        self.keep_sharp_px = self.keep_sharp_px.map(|px| px * ratio);
+        self
+    }
+
     /// Signed distance of a disparity from what is sharp at a place (x, y from 0 to 1), in pixels per view step.
     pub fn defocus_px(&self, disparity_px: f32, x: f32, y: f32) -> f32 {
         let away = disparity_px - self.focus.at(x, y);

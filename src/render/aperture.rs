@@ -97,7 +97,7 @@ pub fn is_open(shape: LensShape, place: Vec2) -> bool {
         LensShape::Disc | LensShape::CatEye { .. } => r <= 1.0,
         LensShape::Ring { inner } => (inner.clamp(0.0, 0.9)..=1.0).contains(&r),
         LensShape::Blades { count, rotation_deg, roundness } => {
-            let sector = std::f32::consts::TAU / f32::from(count.clamp(3, 16));
+            let sector = std::f32::consts::TAU / f32::from(LensShape::blades(count));
             let angle = (place.y.atan2(place.x) - rotation_deg.to_radians()).rem_euclid(sector) - sector / 2.0;
             let straight = (sector / 2.0).cos() / angle.cos();
             r <= straight + (1.0 - straight) * roundness.clamp(0.0, 1.0)

@@ -36,7 +36,7 @@ pub struct Cache {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CacheKey(String);
 
-/// What is kept of a light field.
+/// What is kept of a light field; of one map alone neither differences nor a checksum.
 #[derive(Debug, PartialEq)]
 pub(super) struct Entry {
     /// The reference map at the size of the views.
@@ -85,6 +85,11 @@ impl Cache {
             let _ = file.set_modified(SystemTime::now());
         }
         Some(entry)
+    }
+
+    /// The reference map of an entry, whether or not its views are there; none where it is missing or damaged.
+    pub(super) fn read_map(&self, key: &CacheKey) -> Option<DisparityMap> {
+        Entry::parse_map(&mut File::open(self.path(key)).ok()?).ok().map(|(map, ..)| map)
     }
 
     /// Writes an entry aside, renames it, and deletes the longest unused ones beyond the limit.
@@ -145,6 +150,11 @@ impl CacheKey {
 }
 
 impl Entry {
+    /// Of one map alone.
+    pub(super) fn of_map(map: DisparityMap) -> Self {
+        Self { map, differences: Vec::new(), checksum: 0 }
+    }
+
     fn write(&self, to: &mut impl Write) -> io::Result<()> {
         to.write_all(MAGIC)?;
         for number in [self.map.size()[0], self.map.size()[1], self.checksum, self.differences.len() as u32] {
@@ -158,23 +168,32 @@ impl Entry {
     }
 
     fn parse(from: &mut impl Read) -> io::Result<Self> {
+        let (map, checksum, bytes, mut packed) = Self::parse_map(from)?;
+        let mut differences = Vec::new();
+        packed.by_ref().take(bytes + 1).read_to_end(&mut differences)?;
+        if differences.len() as u64 != bytes {
+            return Err(io::ErrorKind::InvalidData.into());
+        }
+        Ok(Self { map, differences, checksum })
+    }
+
+    /// The map, the checksum, the length of the differences, and the way on to them.
+    fn parse_map<R: Read>(from: &mut R) -> io::Result<(DisparityMap, u32, u64, ZlibDecoder<&mut R>)> {
+        let damaged = || io::Error::from(io::ErrorKind::InvalidData);
         let mut head = [0; 24];
         from.read_exact(&mut head)?;
         let number = |i: usize| u32::from_le_bytes([head[i], head[i + 1], head[i + 2], head[i + 3]]);
-        let (size, checksum, bytes) = ([number(8), number(12)], number(16), number(20) as usize);
+        let (size, checksum, bytes) = ([number(8), number(12)], number(16), number(20));
         let pixels = size[0] as usize * size[1] as usize;
         if &head[..8] != MAGIC || !(1..=1 << 26).contains(&pixels) {
-            return Err(io::ErrorKind::InvalidData.into());
+            return Err(damaged());
         }
+        let mut packed = ZlibDecoder::new(from);
         let mut content = Vec::new();
-        ZlibDecoder::new(from).take((pixels * 4 + bytes) as u64 + 1).read_to_end(&mut content)?;
-        if content.len() != pixels * 4 + bytes {
-            return Err(io::ErrorKind::InvalidData.into());
-        }
-        let differences = content.split_off(pixels * 4);
+        packed.by_ref().take(pixels as u64 * 4).read_to_end(&mut content)?;
         let disparity_px = content.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        let map = DisparityMap::new(size, disparity_px).map_err(io::Error::other)?;
-        Ok(Self { map, differences, checksum })
+        let map = DisparityMap::new(size, disparity_px).map_err(|_wrong_length| damaged())?;
+        Ok((map, checksum, bytes.into(), packed))
     }
 }
 
@@ -210,6 +229,10 @@ mod tests {
         cache.write(&key("a"), &entry(1, 1000)).unwrap();
         assert_eq!(cache.read(&key("a")), Some(entry(1, 1000)));
         assert_eq!(cache.read(&key("b")), None);
+        assert_eq!(cache.read_map(&key("a")), Some(entry(1, 0).map));
+        let of_map = Entry::of_map(DisparityMap::constant([3, 2], 0.5));
+        cache.write(&key("map"), &of_map).unwrap();
+        assert_eq!((cache.read_map(&key("map")), cache.read(&key("map"))), (Some(of_map.map.clone()), Some(of_map)));
         let path = cache.path(&key("a"));
         let whole = fs::read(&path).unwrap();
         for cut in [0, 7, 20, 30, whole.len() - 1] {

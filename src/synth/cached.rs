@@ -9,7 +9,7 @@ use super::cache::{Cache, CacheKey, Entry};
 use super::picture::{Signed, reference_view};
 use super::pipeline::{Made, Synthesizer};
 use super::{SynthError, SynthParams, Synthesis, lambertian, lift, tract};
-use crate::field::{LightField, Photo, View, ViewIndex};
+use crate::field::{DisparityMap, LightField, Photo, View, ViewIndex, fit_long_side};
 use crate::job::Job;
 
 impl Synthesizer {
@@ -21,9 +21,10 @@ impl Synthesizer {
         &self,
         photo: &Photo,
         params: &SynthParams,
-        cache: &Cache,
+        cache: Option<&Cache>,
         job: &Job,
     ) -> Result<Synthesis, SynthError> {
+        let Some(cache) = cache else { return self.synthesize(photo, params, job) };
         let started = Instant::now();
         let key = CacheKey::new(photo, params, &self.manifests(params));
         let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
@@ -33,13 +34,36 @@ impl Synthesizer {
             return Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() });
         }
         let made = self.synthesize(photo, params, job)?;
-        if let Some(entry) = pool.install(|| self.entry(&made))
-            && let Err(error) = cache.write(&key, &entry)
-        {
-            let place = cache.folder().display();
-            job.sink.warning(format!("The light field could not be kept for next time — {error}: {place}"));
+        if let Some(entry) = pool.install(|| self.entry(&made)) {
+            keep(cache, &key, &entry, job);
         }
         Ok(made)
+    }
+
+    /// The disparity of the reference view alone, at the size of the views: the map that [`synthesize`](Self::synthesize)
+    /// would make its light field of, without the 63 other views. It is taken from the cache, or put there.
+    ///
+    /// # Errors
+    /// As `synthesize`.
+    pub fn depth_map(
+        &self,
+        photo: &Photo,
+        params: &SynthParams,
+        cache: Option<&Cache>,
+        job: &Job,
+    ) -> Result<DisparityMap, SynthError> {
+        let key = cache.map(|cache| (cache, CacheKey::new(photo, params, &self.manifests(params))));
+        let known = key.as_ref().and_then(|(cache, key)| cache.read_map(key));
+        let size = fit_long_side(photo.size(), params.long_side.max(1));
+        if let Some(map) = known.filter(|map| map.size() == size) {
+            return Ok(map);
+        }
+        let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
+        let map = pool.install(|| self.reference_map_of(photo, params, job))?;
+        if let Some((cache, key)) = key {
+            keep(cache, &key, &Entry::of_map(map.clone()), job);
+        }
+        Ok(map)
     }
 
     /// What a cache keeps of a light field; none where its depths are more than their reference map.
@@ -87,6 +111,14 @@ impl Synthesizer {
         job.sink.depths(&depths);
         grid.spiral().into_iter().for_each(|at| job.sink.view(at, &views[grid.layer_from_view(at)]));
         Ok(Some((Arc::new(LightField::new(grid, views)?), depths)))
+    }
+}
+
+/// Puts an entry into the cache; that it cannot be kept is only a warning.
+fn keep(cache: &Cache, key: &CacheKey, entry: &Entry, job: &Job) {
+    if let Err(error) = cache.write(key, entry) {
+        let place = cache.folder().display();
+        job.sink.warning(format!("The light field could not be kept for next time — {error}: {place}"));
     }
 }
 

@@ -111,6 +111,20 @@ impl Synthesizer {
         Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() })
     }
 
+    /// Makes the disparity of the reference view alone, at the size of the views: what one picture needs.
+    pub(super) fn reference_map_of(
+        &self,
+        photo: &Photo,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<DisparityMap, SynthError> {
+        job.advance(Stage::Depth, 0, 3)?;
+        let reference = reference_view(photo, params.long_side, job)?;
+        let (map, _) = self.reference_map(&reference, params, job)?;
+        job.advance(Stage::Depth, 3, 3)?;
+        Ok(map)
+    }
+
     fn stages(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<Made, SynthError> {
         job.advance(Stage::Depth, 0, 3)?;
         let reference = Arc::new(reference_view(photo, params.long_side, job)?);
@@ -128,13 +142,26 @@ impl Synthesizer {
 
     /// The disparity of every ray, from whatever source was asked for.
     fn ray_depths(&self, reference: &View, params: &SynthParams, job: &Job) -> Result<RayDepths, SynthError> {
+        match self.reference_map(reference, params, job)? {
+            (map, Some(net)) => all_maps(&net, map),
+            (map, None) => Ok(lift::lifted(&map, self.grid(), job)?),
+        }
+    }
+
+    /// The disparity of the reference view, and the net's maps of all views where its manifest wants those.
+    fn reference_map(
+        &self,
+        reference: &View,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
         if let Some(map) = &params.disparity {
-            return Ok(lift::lifted(&at_size(map, reference.size())?, self.grid(), job)?);
+            return Ok((at_size(map, reference.size())?, None));
         }
         let threads = params.threads;
         let map = match (&params.source, &params.phone) {
             (DepthSource::Model(id), _) => match &*self.further(id)? {
-                Further::Ray(net) => return self.net_ray_depths(net, reference, threads, job),
+                Further::Ray(net) => return refined(net, reference, threads, job),
                 Further::Relative(net) => net.estimate(reference, threads, job)?,
             },
             (DepthSource::Phone, Some(phone)) => upsample::to_guide(&phone.disparity(), reference, job)?,
@@ -146,10 +173,10 @@ impl Synthesizer {
                 if *source != DepthSource::Network {
                     job.sink.warning("This photo has no depth of its own, so the network's is used".to_owned());
                 }
-                return self.net_ray_depths(&self.depth, reference, threads, job);
+                return refined(&self.depth, reference, threads, job);
             }
         };
-        Ok(lift::lifted(&map, self.grid(), job)?)
+        Ok((map, None))
     }
 
     /// A further model by its name, kept for the next photo.
@@ -170,23 +197,21 @@ impl Synthesizer {
         *kept = Some((id.to_owned(), Arc::clone(&net)));
         Ok(net)
     }
+}
 
-    fn net_ray_depths(
-        &self,
-        depth: &DepthNet,
-        reference: &View,
-        threads: usize,
-        job: &Job,
-    ) -> Result<RayDepths, SynthError> {
-        let net = depth.estimate(reference, threads, job)?;
-        job.advance(Stage::Depth, 1, 3)?;
-        let refined = upsample::to_guide(&net.reference()?, reference, job)?;
-        job.advance(Stage::Depth, 2, 3)?;
-        match depth.net().manifest().ray_depths {
-            RayDepthsFrom::Lift => Ok(lift::lifted(&refined, self.grid(), job)?),
-            RayDepthsFrom::Net => Ok(all_maps(&net, refined)?),
-        }
-    }
+/// A ray-depth net's map of the reference view, its edges brought to the photo's.
+fn refined(
+    depth: &DepthNet,
+    reference: &View,
+    threads: usize,
+    job: &Job,
+) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
+    let net = depth.estimate(reference, threads, job)?;
+    job.advance(Stage::Depth, 1, 3)?;
+    let map = upsample::to_guide(&net.reference()?, reference, job)?;
+    job.advance(Stage::Depth, 2, 3)?;
+    let is_lifted = depth.net().manifest().ray_depths == RayDepthsFrom::Lift;
+    Ok((map, (!is_lifted).then_some(net)))
 }
 
 /// Makes a light field of a photo whose ray depth is known: Lambertian views on the paper's grid, without any net.

@@ -1,20 +1,21 @@
 //! `depth`: the ray depths of one view.
 
 use anyhow::{Result, bail};
-use plenoscope::field::{RayDepths, ViewGrid, ViewIndex};
+use plenoscope::field::{DisparityMap, ViewGrid, ViewIndex};
 use plenoscope::io::formats::depth_out;
 use plenoscope::job::{Job, Stage};
 use plenoscope::render::cpu;
+use plenoscope::scene::{Need, Scene};
 
-use super::output::{Target, ending};
+use super::output::{Output, ending};
 use super::{Usage, input};
 use crate::cli::Depth;
 use crate::values::Pair;
 
 /// Writes the map as numbers or as colours.
 pub fn run(args: &Depth, job: &Job) -> Result<()> {
-    let target = Target { file: &args.output, input: &args.input, force: args.force };
-    target.check()?;
+    let output = Output { file: &args.output, input: &args.input, force: args.force };
+    output.check()?;
     let as_numbers = ending(&args.output) == "pfm";
     if as_numbers && args.colormap.is_some() {
         bail!(Usage("a .pfm file holds numbers, not colours — leave --colormap out or write a .png".to_owned()));
@@ -22,25 +23,22 @@ pub fn run(args: &Depth, job: &Job) -> Result<()> {
     if !as_numbers && args.colormap.is_none() && ending(&args.output) != "png" {
         bail!(Usage("a map is written as .pfm or .png — name such a file or add --colormap".to_owned()));
     }
-    let scene = input::scene(&args.input, &args.synth, job)?;
-    let depths = scene.depths(job)?;
-    let view = match args.view {
-        None => depths.grid().reference(),
-        Some(at) => index(depths.grid(), at)?,
-    };
+    let need = if args.view.is_some() { Need::Views } else { Need::Map };
+    let scene = input::scene(&args.input, &args.synth, need, job)?;
+    let map = map(&scene, args.view)?;
     job.advance(Stage::Save, 0, 1)?;
-    let map = depths.map(view);
     match args.colormap {
         _ if as_numbers => Ok(depth_out::write_pfm(&args.output, &map)?),
-        Some(colors) => target.picture(&cpu::depth(&depths, view, range_px(&depths), colors.into()), None, 8),
+        Some(colors) => output.picture(&cpu::depth_map(&map, colors.into()), None, 8),
         None => Ok(depth_out::write_png16(&args.output, &map)?),
     }
 }
 
-/// The range of all rays, never empty: near is white, far is black.
-fn range_px(depths: &RayDepths) -> [f32; 2] {
-    let [far, near] = depths.range_px();
-    [far, near.max(far + 1e-3)]
+/// The map of a view; that of the reference view as exact as it is known.
+fn map(scene: &Scene, view: Option<Pair>) -> Result<DisparityMap> {
+    let (Some(at), Some(views)) = (view, scene.views()) else { return Ok(DisparityMap::clone(scene.map())) };
+    let view = index(views.depths.grid(), at)?;
+    Ok(DisparityMap::new(views.depths.size(), views.depths.view(view).to_vec())?)
 }
 
 fn index(grid: ViewGrid, at: Pair) -> Result<ViewIndex> {

@@ -1,35 +1,37 @@
 //! `epi`: one line of the picture in all views of a row or a column.
 
 use anyhow::{Result, bail};
-use plenoscope::field::EpiLine;
+use plenoscope::field::{EpiLine, Picture};
 use plenoscope::job::{Job, Stage};
-use plenoscope::render::{Picture, cpu};
+use plenoscope::render::cpu;
+use plenoscope::scene::Need;
 
 use super::Usage;
 use super::input;
-use super::output::Target;
+use super::output::Output;
 use crate::cli::Epi;
 
 /// Renders the slice through the reference view's row or column of views and writes it.
 pub fn run(args: &Epi, job: &Job) -> Result<()> {
-    let target = Target { file: &args.output, input: &args.input, force: args.force };
-    target.check()?;
-    let scene = input::scene(&args.input, &args.synth, job)?;
-    let reference = scene.field.grid().reference();
-    let [width, height] = scene.field.size();
+    let output = Output { file: &args.output, input: &args.input, force: args.force };
+    output.check()?;
+    let scene = input::scene(&args.input, &args.synth, Need::Views, job)?;
+    let field = &scene.made_views()?.field;
+    let reference = field.grid().reference();
+    let [width, height] = field.size();
     let picture = match (args.row, args.column) {
         (Some(y), _) => {
             inside("row", y, height)?;
-            cpu::epi(&scene.field, EpiLine::Row { y, v: reference.v }, args.scale)
+            cpu::epi(field, EpiLine::Row { y, v: reference.v }, args.scale)
         }
         (None, Some(x)) => {
             inside("column", x, width)?;
-            transposed(&cpu::epi(&scene.field, EpiLine::Column { x, u: reference.u }, args.scale))
+            transposed(&cpu::epi(field, EpiLine::Column { x, u: reference.u }, args.scale))
         }
         (None, None) => bail!(Usage("a line is missing — give --row or --column".to_owned())),
     };
     job.advance(Stage::Save, 0, 1)?;
-    target.picture(&picture, None, 8)
+    output.picture(&picture, None, 8)
 }
 
 fn inside(what: &str, at: u32, end: u32) -> Result<()> {

@@ -1,73 +1,86 @@
-//! `export`: everything else that a light field can become.
+//! `synth` and `export`: everything that a light field can become.
 
-use anyhow::Result;
-use plenoscope::io::formats::depth_out::{self, Seen};
-use plenoscope::io::formats::{ply, stereo};
-use plenoscope::job::{Job, Stage};
-use plenoscope::render::cpu;
+use std::path::{Path, PathBuf};
 
-use super::input::{self, Scene};
-use super::{light_field, output, series};
-use crate::cli::{Export, ExportKind, FieldFormat};
+use anyhow::{Result, bail};
+use plenoscope::aside;
+use plenoscope::io::save::SaveError;
+use plenoscope::job::Job;
+use plenoscope::scene::Edit;
+use plenoscope::scene::export::{self, Group, Kind, Settings};
+use plenoscope::scene::recipe::PictureSettings;
 
-/// Quality of the JPEG that carries the depth.
-const GDEPTH_QUALITY: u8 = 95;
+use super::output::Output;
+use super::{input, lens_args, refocus};
+use crate::cli::{Export, Synth};
 
-/// Opens, makes a light field where needed, and writes.
+/// Makes a light field of a photo and writes it.
+pub fn synth(args: &Synth, job: &Job) -> Result<()> {
+    let subject = input::subject(&args.photo, &args.synth, job)?;
+    if subject.photo().is_none() {
+        bail!(
+            "this is a light field already — synth takes a photo — use `plenoscope export`: {}",
+            args.photo.display()
+        );
+    }
+    let settings = Settings { kind: args.format, ..Settings::default() };
+    let target = target(&args.output, &settings, &args.photo);
+    Output { file: &target, input: &args.photo, force: false }.check_written(args.format)?;
+    let making = input::making(&args.synth);
+    let scene = input::maker(&args.synth).scene(&subject, &making, args.format.need(settings.size()), job)?;
+    make_folder(&target)?;
+    Ok(export::write(&scene, &Edit::default(), &settings, &target, job)?)
+}
+
+/// Opens, makes what is needed, and writes.
 pub fn run(args: &Export, job: &Job) -> Result<()> {
-    let target = output::Target { file: &args.output, input: &args.input, force: args.force };
-    let scene = |job: &Job| input::scene(&args.input, &args.synth, job);
-    let field = |format: FieldFormat| {
-        let target = light_field::Target::new(&args.output, format, &args.input);
-        target.check(args.force)?;
-        target.write(&scene(job)?, job)
+    let settings = settings(args);
+    let target = target(&args.output, &settings, &args.input);
+    Output { file: &target, input: &args.input, force: args.force }.check_written(args.kind)?;
+    let scene = input::scene(&args.input, &args.synth, args.kind.need(settings.size()), job)?;
+    let edit = lens_args::edit(&args.lens, lens_args::plain(), &scene)?;
+    let edit = match (args.kind, args.lens.f_number) {
+        (Kind::Animation, None) => Edit { f_number: args.motion.usual_f_number(), ..edit },
+        _ => edit,
     };
-    match args.kind {
-        ExportKind::Views => field(FieldFormat::Views),
-        ExportKind::Hci => field(FieldFormat::Hci),
-        ExportKind::Eslf => field(FieldFormat::Eslf),
-        ExportKind::Stanford => field(FieldFormat::Stanford),
-        ExportKind::Quilt => field(FieldFormat::Quilt),
-        ExportKind::Anaglyph | ExportKind::SideBySide => {
-            target.check()?;
-            stereo_pair(args, &scene(job)?, job)
-        }
-        ExportKind::FocalStack => series::focal_stack(args, job),
-        ExportKind::Animation => {
-            target.check()?;
-            series::animation(args, job)
-        }
-        ExportKind::Ply => {
-            target.check()?;
-            let scene = scene(job)?;
-            let depths = scene.depths(job)?;
-            job.advance(Stage::Save, 0, 1)?;
-            let source = plenoscope::io::formats::FieldToWrite {
-                depths: Some(&depths),
-                ..plenoscope::io::formats::FieldToWrite::new(&scene.field)
-            };
-            Ok(ply::write(&args.output, &source)?)
-        }
-        ExportKind::Gdepth => {
-            target.check()?;
-            let scene = scene(job)?;
-            let depths = scene.depths(job)?;
-            let map = depths.reference_map();
-            job.advance(Stage::Save, 0, 1)?;
-            let seen = scene.photo.as_deref().map_or(Seen::View(scene.field.reference()), Seen::Photo);
-            Ok(depth_out::write_gdepth(&args.output, seen, &map, GDEPTH_QUALITY)?)
-        }
+    if args.kind.spec().group == Group::LightField {
+        make_folder(&target)?;
+    }
+    Ok(export::write(&scene, &edit, &settings, &target, job)?)
+}
+
+fn settings(args: &Export) -> Settings {
+    let mut settings = Settings {
+        kind: args.kind,
+        picture: PictureSettings::default(),
+        frames: args.frames,
+        frames_per_second: args.frames_per_second,
+        movement: args.motion,
+        eyes_apart: args.eyes_apart,
+        replaces_source: args.force,
+        ..Settings::default()
+    };
+    if let Some(size) = args.size {
+        settings.picture.size = refocus::output_size(size);
+        settings.animation_size = settings.picture.size;
+    }
+    settings
+}
+
+/// Where it is written: formats of one file go into a folder that is named, under the name that readers know.
+fn target(output: &Path, settings: &Settings, input: &Path) -> PathBuf {
+    let is_file = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
+    let name = input.file_name().map_or_else(|| "photo".to_owned(), |name| name.to_string_lossy().into_owned());
+    match settings.kind {
+        Kind::Eslf if !is_file => output.join(settings.file_name(&name, &Edit::default())),
+        Kind::Quilt if is_file => settings.device().path(output),
+        Kind::Quilt => output.join(settings.file_name(&name, &Edit::default())),
+        _ => output.to_owned(),
     }
 }
 
-/// Both eyes, as far apart as asked for.
-fn stereo_pair(args: &Export, scene: &Scene, job: &Job) -> Result<()> {
-    let depths = scene.depths(job)?;
-    let [left, right] =
-        stereo::eyes(args.eyes_apart).map(|eye| cpu::view_with_depths(&scene.field, Some(&depths), eye));
-    job.advance(Stage::Save, 0, 1)?;
-    match args.kind {
-        ExportKind::Anaglyph => Ok(stereo::write_anaglyph(&args.output, &left, &right)?),
-        _ => Ok(stereo::write_side_by_side(&args.output, &left, &right)?),
-    }
+/// Light fields may go into a folder that is not there yet.
+fn make_folder(target: &Path) -> Result<()> {
+    let folder = aside::parent(target);
+    std::fs::create_dir_all(folder).map_err(|error| SaveError::from_io(&error, folder).into())
 }

@@ -1,114 +1,56 @@
-//! What a command works on: a light field, made on the way where a photo comes in.
+//! What a command works on: a scene, of which as much is made as the command needs.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::Result;
-use plenoscope::field::{DisparityMap, LightField, Photo, RayDepths};
+use plenoscope::io::formats::depth_map::GivenDepth;
 use plenoscope::io::formats::pfm;
-use plenoscope::io::{self, EmbeddedDepth, LightFieldFile, Opened, PhotoFile};
 use plenoscope::job::Job;
+use plenoscope::scene::{DepthFrom, Maker, Making, Need, Scene, Subject};
+use plenoscope::synth::ModelSource;
 use plenoscope::synth::cache::Cache;
-use plenoscope::synth::{
-    DepthSource, ModelSource, ModelTag, SynthParams, Synthesis, Synthesizer, lift, sweep, synthesize_from_map,
-};
 
 use crate::cli::SynthArgs;
 
-/// A light field and what it was made from.
-pub struct Scene {
-    pub field: Arc<LightField>,
-    pub depths: Option<Arc<RayDepths>>,
-    pub photo: Option<Arc<Photo>>,
-    pub models: Vec<ModelTag>,
-}
-
-impl Scene {
-    /// A light field as it was in its files.
-    pub fn from_file(file: LightFieldFile) -> Self {
-        let lifted = || {
-            let map = file.reference_disparity.as_ref().filter(|map| map.size() == file.field.size())?;
-            Some(Arc::new(lift::ray_depths(map, file.field.grid())))
-        };
-        let depths = file.depths.clone().or_else(lifted);
-        Self { field: file.field, depths, photo: None, models: Vec::new() }
-    }
-
-    fn made(made: Synthesis, file: &PhotoFile) -> Self {
-        let photo = Some(Arc::clone(&file.photo));
-        Self { field: made.field, depths: Some(made.depths), photo, models: made.models }
-    }
-
-    /// The ray depths; a light field that came without gets them by plane sweep over its views.
-    pub fn depths(&self, job: &Job) -> Result<Arc<RayDepths>> {
-        match &self.depths {
-            Some(depths) => Ok(Arc::clone(depths)),
-            None => Ok(Arc::new(sweep::ray_depths(&self.field, job)?)),
-        }
-    }
-}
-
-/// Opens a file and passes its warnings on.
-pub fn open(path: &Path, job: &Job) -> Result<Opened> {
-    let opened = io::open(path, job)?;
-    log::info!("opened {}", path.display());
-    for warning in &opened.info().warnings {
-        job.sink.warning(warning.clone());
-    }
-    Ok(opened)
-}
-
-/// Opens a photo or a light field, and makes a light field of a photo.
-pub fn scene(path: &Path, args: &SynthArgs, job: &Job) -> Result<Scene> {
-    match open(path, job)? {
-        Opened::Photo(file) => from_photo(&file, args, job),
-        Opened::LightField(file) => Ok(Scene::from_file(*file)),
-    }
-}
-
-/// Makes a light field of a photo; without nets where neither ray depth nor occlusions need one.
-pub fn from_photo(file: &PhotoFile, args: &SynthArgs, job: &Job) -> Result<Scene> {
-    if let Some(map) = disparity(args)?.filter(|_| args.lambertian) {
-        let made = synthesize_from_map(&file.photo, &map, &params(args, None)?, job)?;
-        return Ok(Scene::made(made, file));
-    }
-    with_nets(&Synthesizer::load(&model_source(args))?, file, args, job)
-}
-
-/// Makes a light field of a photo with nets that are loaded already, or takes that of last time.
-pub fn with_nets(nets: &Synthesizer, file: &PhotoFile, args: &SynthArgs, job: &Job) -> Result<Scene> {
-    let params = params(args, file.depth.as_ref())?;
-    let made = match Cache::user().filter(|_| !args.no_cache) {
-        Some(cache) => nets.synthesize_cached(&file.photo, &params, &cache, job)?,
-        None => nets.synthesize(&file.photo, &params, job)?,
-    };
-    log::info!("light field of {:?} in {:.2} s", made.field.size(), made.took.as_secs_f32());
-    Ok(Scene::made(made, file))
-}
-
-/// The parameters that the arguments name.
-fn params(args: &SynthArgs, phone: Option<&EmbeddedDepth>) -> Result<SynthParams> {
-    Ok(SynthParams {
-        long_side: args.long_side,
-        occlusion: !args.lambertian,
-        threads: args.threads.into(),
-        disparity: disparity(args)?.map(Arc::new),
-        source: match args.source.as_str() {
-            "network" => DepthSource::Network,
-            "phone" => DepthSource::Phone,
-            "fused" => DepthSource::Fused,
-            model => DepthSource::Model(model.to_owned()),
-        },
-        phone: phone.map(|depth| Arc::new(depth.map.clone())),
-    })
+/// Opens a photo or a light field; a photo with the map of `--disparity`.
+pub fn subject(path: &Path, args: &SynthArgs, job: &Job) -> Result<Arc<Subject>> {
+    let subject = Subject::open(path, job)?;
+    Ok(Arc::new(match own_map(args)? {
+        Some(map) => subject.with_own_map(map),
+        None => subject,
+    }))
 }
 
 /// The map that `--disparity` names.
-pub fn disparity(args: &SynthArgs) -> Result<Option<DisparityMap>> {
-    Ok(args.disparity.as_deref().map(pfm::read_pfm).transpose()?)
+pub fn own_map(args: &SynthArgs) -> Result<Option<GivenDepth>> {
+    let map = args.disparity.as_deref().map(pfm::read_pfm).transpose()?;
+    Ok(map.map(|map| GivenDepth::Disparity(Arc::new(map))))
+}
+
+/// Opens a photo or a light field, and makes of it what is needed.
+pub fn scene(path: &Path, args: &SynthArgs, need: Need, job: &Job) -> Result<Scene> {
+    Ok(maker(args).scene(&subject(path, args, job)?, &making(args), need, job)?)
+}
+
+/// How light fields are made, as the arguments name it.
+pub fn making(args: &SynthArgs) -> Making {
+    let source = if args.disparity.is_some() { DepthFrom::Map } else { DepthFrom::named(&args.source) };
+    Making {
+        long_side: args.long_side,
+        occlusion: !args.lambertian,
+        threads: args.threads.into(),
+        source,
+        models: model_source(args.models.as_deref()),
+    }
+}
+
+/// Makes scenes, with the user's cache unless the arguments say otherwise.
+pub fn maker(args: &SynthArgs) -> Maker {
+    Maker::new(Cache::user().filter(|_| !args.no_cache))
 }
 
 /// The folder of `--models`, or the nets in the program.
-pub fn model_source(args: &SynthArgs) -> ModelSource {
-    args.models.clone().map_or(ModelSource::Embedded, ModelSource::Folder)
+pub fn model_source(folder: Option<&Path>) -> ModelSource {
+    folder.map_or(ModelSource::Embedded, |folder| ModelSource::Folder(folder.to_owned()))
 }

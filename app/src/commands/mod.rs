@@ -8,20 +8,16 @@ mod export;
 mod info;
 mod input;
 mod lens_args;
-mod light_field;
 mod output;
 mod pages;
 mod refocus;
 mod sample;
-mod series;
-mod synth;
 mod view;
 
 use std::path::PathBuf;
 
 use anyhow::Result;
 use plenoscope::job::Job;
-use plenoscope::synth::ModelSource;
 use plenoscope::ui;
 
 use crate::cli::{Cli, Command, Window};
@@ -46,7 +42,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
         return Err(Usage(text).into());
     }
     match cli.command {
-        Some(Command::Synth(args)) => synth::run(&args, &job),
+        Some(Command::Synth(args)) => export::synth(&args, &job),
         Some(Command::Refocus(args)) => refocus::run(&args, &job),
         Some(Command::View(args)) => view::run(&args, &job),
         Some(Command::Epi(args)) => epi::run(&args, &job),
@@ -64,7 +60,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
 
 /// Opens the window and stays until it is closed.
 fn window(files: Vec<PathBuf>, args: Window) -> Result<()> {
-    let models = args.models.map_or(ModelSource::Embedded, ModelSource::Folder);
+    let models = input::model_source(args.models.as_deref());
     let restores_last = files.is_empty() && !args.fresh;
     let (long_side, threads) = (args.long_side, args.threads.into());
     Ok(ui::run(ui::Options { files, models, long_side, threads, restores_last })?)

@@ -3,18 +3,18 @@
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use plenoscope::field::Photo;
+use plenoscope::field::{Photo, Picture};
 use plenoscope::io::save::{self, Origin, PictureOptions};
-use plenoscope::render::Picture;
+use plenoscope::scene::export::Kind;
 
 /// A file to write, and the input that must stay as it is unless `--force` says otherwise.
-pub struct Target<'a> {
+pub struct Output<'a> {
     pub file: &'a Path,
     pub input: &'a Path,
     pub force: bool,
 }
 
-impl Target<'_> {
+impl Output<'_> {
     /// Refuses what would write over the input, before any work is done.
     pub fn check(&self) -> Result<()> {
         if !self.force && self.hits_input() {
@@ -25,6 +25,17 @@ impl Target<'_> {
         }
         if self.file.is_dir() {
             bail!("the output is a folder — a file is written — name a file in it: {}", self.file.display());
+        }
+        Ok(())
+    }
+
+    /// The same for what is written of a kind: of several files only the folder itself must not be the input.
+    pub fn check_written(&self, kind: Kind) -> Result<()> {
+        if !kind.is_folder() {
+            return self.check();
+        }
+        if !self.force && save::same_file(self.file, self.input) {
+            bail!("the output is the input — it would be lost — choose another name: {}", self.file.display());
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ mod refocus;
 mod view;
 
 pub use colormap::Colormap;
-pub use depth::depth;
+pub use depth::{depth, depth_map};
 pub use epi::epi;
 pub use refocus::{refocus, refocus_with_depths};
 #[cfg(feature = "ui")]

@@ -70,7 +70,7 @@ impl Kernel {
             LensShape::Ring { inner } => Self::ring(radius, inner.clamp(0.0, 0.9)),
             LensShape::Blades { count, rotation_deg, roundness } => {
                 let turn = rotation_deg.to_radians() + if flipped { PI } else { 0.0 };
-                Self::outline(&blades(radius, count.clamp(3, 12), turn, roundness.clamp(0.0, 1.0)))
+                Self::outline(&blades(radius, LensShape::blades(count), turn, roundness.clamp(0.0, 1.0)))
             }
             LensShape::CatEye { strength } => {
                 let side = if flipped { -1.0 } else { 1.0 };

@@ -54,6 +54,9 @@ pub use reveal::revealed;
 pub use stack::{Motion, circle, focal_planes, lenses};
 pub use tile::Region;
 
+/// Its name until the window has moved to `scene`.
+pub type Scene = Rgbd;
+
 /// Why a picture could not be refocused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LensError {
@@ -80,26 +83,32 @@ const SHAPE_TOLERANCE: f64 = 0.02;
 
 /// A photo with its disparity map: all that a lens needs to know.
 #[derive(Clone)]
-pub struct Scene {
+pub struct Rgbd {
     photo: Arc<Photo>,
     disparity: DisparityMap,
     behind: Option<Arc<Revealed>>,
     space: Space,
 }
 
-impl Scene {
-    /// A scene of a photo and a disparity map of any size but the photo's shape. A map of one value everywhere may have
-    /// any shape. The picture will be in the photo's own primaries.
+impl Rgbd {
+    /// A photo and a disparity map of any size but the photo's shape. A map of one value everywhere may have any shape.
+    /// The picture will be in the photo's own primaries.
     pub fn new(photo: Arc<Photo>, disparity: DisparityMap) -> Result<Self, LensError> {
+        Self::check(photo.size(), &disparity)?;
+        Ok(Self { photo, disparity, behind: None, space: Space::Own })
+    }
+
+    /// Whether a map can be that of a photo of this size.
+    pub fn check(photo: [u32; 2], disparity: &DisparityMap) -> Result<(), LensError> {
         let ratio = |size: [u32; 2]| f64::from(size[0]) / f64::from(size[1]);
         let [low, high] = disparity.range_px();
         // Small maps are rounded to whole pixels, which changes their shape.
         let rounding = 1.0 / f64::from(disparity.size()[0].min(disparity.size()[1]));
-        let apart = (ratio(disparity.size()) / ratio(photo.size())).ln().abs();
+        let apart = (ratio(disparity.size()) / ratio(photo)).ln().abs();
         if low < high && apart > SHAPE_TOLERANCE + rounding {
-            return Err(LensError::Shape { map: disparity.size(), photo: photo.size() });
+            return Err(LensError::Shape { map: disparity.size(), photo });
         }
-        Ok(Self { photo, disparity, behind: None, space: Space::Own })
+        Ok(())
     }
 
     /// The same scene with what a light field's other views have seen behind the edges.
@@ -147,7 +156,7 @@ pub struct Prepared {
 }
 
 /// Renders a whole picture of `size`, at most the photo's.
-pub fn render(scene: &Scene, lens: &Lens, size: [u32; 2], job: &Job) -> Result<Picture, LensError> {
+pub fn render(scene: &Rgbd, lens: &Lens, size: [u32; 2], job: &Job) -> Result<Picture, LensError> {
     let prepared = scene.prepare(size);
     let whole = Region { at: [0; 2], size: prepared.size };
     prepared.render(lens, whole, job)
@@ -155,7 +164,7 @@ pub fn render(scene: &Scene, lens: &Lens, size: [u32; 2], job: &Job) -> Result<P
 
 /// Renders a whole picture straight into stored values of 8 or 16 bits, so that light is held for a band only: what
 /// large photos are exported with. They are stored with the curve of the scene's [`Space`].
-pub fn render_pixels(scene: &Scene, lens: &Lens, size: [u32; 2], bits: u8, job: &Job) -> Result<Pixels, LensError> {
+pub fn render_pixels(scene: &Rgbd, lens: &Lens, size: [u32; 2], bits: u8, job: &Job) -> Result<Pixels, LensError> {
     let transfer = scene.space.transfer(&scene.photo);
     let prepared = scene.prepare(size);
     let [width, height] = prepared.size.map(|s| s as usize);

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::field::{DisparityMap, Photo};
     use crate::job::Cancel;
-    use crate::render::lens::Scene;
+    use crate::render::lens::Rgbd;
 
     #[test]
     fn planes_are_equally_spaced_and_apertures_run_from_end_to_end() {
@@ -102,7 +102,7 @@ mod tests {
         let rgba = (0..32 * 16u32).flat_map(|i| [(i * 37 % 251) as u8, (i * 91 % 241) as u8, 7, 255]).collect();
         let photo = Arc::new(Photo::from_srgb8([32, 16], rgba).unwrap());
         let map = DisparityMap::new([32, 16], (0..32 * 16).map(|i| if i % 32 < 16 { 0.0 } else { 1.0 }).collect());
-        let scene = Scene::new(photo, map.unwrap()).unwrap().prepare([32, 16]);
+        let scene = Rgbd::new(photo, map.unwrap()).unwrap().prepare([32, 16]);
         let (cancel, planes) = (Cancel::default(), focal_planes([-1.0, 1.0], 3));
         let job = Job { cancel: &cancel, sink: &() };
         let index = scene.depth_index(&planes);

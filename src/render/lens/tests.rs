@@ -38,7 +38,7 @@ fn focused(disparity_px: f32) -> Lens {
 }
 
 fn take(photo: &Arc<Photo>, map: DisparityMap, lens: &Lens) -> Picture {
-    let scene = Scene::new(Arc::clone(photo), map).unwrap();
+    let scene = Rgbd::new(Arc::clone(photo), map).unwrap();
     render(&scene, lens, photo.size(), &Job { cancel: &Default::default(), sink: &() }).unwrap()
 }
 
@@ -51,7 +51,7 @@ fn noise_photo(size: [u32; 2]) -> Arc<Photo> {
     photo(size, |x, y| std::array::from_fn(|c| hash(x as i32, y as i32, c as u32)))
 }
 
-fn stored(scene: &Scene, lens: &Lens, bits: u8) -> Pixels {
+fn stored(scene: &Rgbd, lens: &Lens, bits: u8) -> Pixels {
     render_pixels(scene, lens, scene.photo().size(), bits, &Job { cancel: &Default::default(), sink: &() }).unwrap()
 }
 
@@ -65,7 +65,7 @@ fn r1_the_photo_itself_at_f28_and_where_all_is_in_focus() {
     let closed = Lens { f_number: FNumber::PHOTO, ..focused(0.3) };
     let steps = map(size, |x, y| if x + y > 60.0 { 1.5 } else { -0.5 });
     for (disparity, lens) in [(steps, closed), (DisparityMap::constant(size, 0.7), focused(0.7))] {
-        let scene = Scene::new(Arc::clone(&photo), disparity).unwrap();
+        let scene = Rgbd::new(Arc::clone(&photo), disparity).unwrap();
         assert_eq!(stored(&scene, &lens, 16).samples, sixteen);
         assert_eq!(stored(&scene.in_space(Space::Srgb), &lens, 8).samples, eight);
     }
@@ -322,7 +322,7 @@ fn from_beside_the_scene_is_as_it_would_be_there() {
     let job = Job { cancel: &Default::default(), sink: &() };
     let layers = layers(2);
     let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
-    let scene = Scene::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
+    let scene = Rgbd::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
     for (dv, du) in [(0.0, 4.0), (-3.5, 0.0), (2.0, -3.0)] {
         let eye = ViewPoint(ViewOffset { dv, du });
         let moved = scene.seen_from(eye, size, &job).unwrap();
@@ -351,7 +351,7 @@ fn a_lens_beside_the_middle_agrees_with_the_light_field() {
     let job = Job { cancel: &Default::default(), sink: &() };
     let layers = layers(2);
     let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
-    let scene = Scene::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
+    let scene = Rgbd::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
     let eye = [2.0, -1.0];
     let moved = scene.seen_from(ViewPoint(ViewOffset { du: eye[0], dv: eye[1] }), size, &job).unwrap();
     for focus in [-0.6, 0.1] {
@@ -385,7 +385,7 @@ fn r8_a_small_turn_of_the_lens_changes_every_pixel_a_little() {
     let layers = layers(3);
     let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
     let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    let scene = Scene::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
+    let scene = Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
     let whole = Region { at: [0; 2], size };
     let shot = |n: f32, focus: f32| {
         let lens = Lens { f_number: FNumber(n), ..focused(focus) };
@@ -413,7 +413,7 @@ fn tiles_fit_together_without_a_seam() {
     let layers = layers(3);
     let see = |x: f32, y: f32| nearest(&layers, x % 128.0, y % 128.0, [0.0; 2], 0.0);
     let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    let scene = Scene::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
+    let scene = Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
     let job = Job { cancel: &Default::default(), sink: &() };
     let whole = scene.render(&focused(0.1), Region { at: [0; 2], size }, &job).unwrap();
     let part = scene.render(&focused(0.1), Region { at: [131, 77], size: [97, 101] }, &job).unwrap();
@@ -442,7 +442,7 @@ fn what_is_kept_sharp_and_what_lies_in_a_tilted_plane_stays_the_photo() {
 #[test]
 fn maps_of_another_shape_are_refused_and_flat_ones_may_have_any_shape() {
     let photo = noise_photo([40, 30]);
-    let scene = |map| Scene::new(Arc::clone(&photo), map).err();
+    let scene = |map| Rgbd::new(Arc::clone(&photo), map).err();
     assert!(matches!(scene(map([30, 40], |x, _| x)), Some(LensError::Shape { .. })));
     assert_eq!(scene(DisparityMap::constant([1, 1], 0.3)), None);
     assert_eq!(scene(map([20, 15], |x, _| x)), None);
@@ -451,7 +451,7 @@ fn maps_of_another_shape_are_refused_and_flat_ones_may_have_any_shape() {
 #[test]
 fn a_stopped_job_ends_and_every_tile_tells_its_progress() {
     let photo = noise_photo([40, 30]);
-    let scene = Scene::new(photo, map([40, 30], |x, _| x * 0.02)).unwrap();
+    let scene = Rgbd::new(photo, map([40, 30], |x, _| x * 0.02)).unwrap();
     let cancel = crate::job::Cancel::default();
     cancel.cancel();
     let out = render(&scene, &focused(0.0), [40, 30], &Job { cancel: &cancel, sink: &() });

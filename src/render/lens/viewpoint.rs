@@ -11,7 +11,7 @@ use super::behind::Behind;
 use super::light::{Light, Space};
 use super::sample::mix;
 use super::surfaces::Surfaces;
-use super::{LensError, Scene};
+use super::{LensError, Rgbd};
 use crate::background::Beside;
 use crate::field::{DisparityMap, Photo, PhotoPixels, Transfer, ViewPoint, color::srgb8_from_linear};
 use crate::job::{Job, Stage};
@@ -23,7 +23,7 @@ const STEP_PX: f32 = 0.7;
 /// Rows that are looked at together, between two looks at the flag.
 const ROWS: usize = 64;
 
-impl Scene {
+impl Rgbd {
     /// The scene as it is seen from a viewpoint, in `size` pixels (at most the photo's). From the reference view it is
     /// the scene itself.
     pub fn seen_from(&self, eye: ViewPoint, size: [u32; 2], job: &Job) -> Result<Self, LensError> {
@@ -66,7 +66,7 @@ struct Front {
 }
 
 impl Front {
-    fn new(scene: &Scene, size: [u32; 2]) -> Self {
+    fn new(scene: &Rgbd, size: [u32; 2]) -> Self {
         let light = Light::of(&scene.photo, scene.space).reduced(size);
         let surfaces = Surfaces::new(scene.disparity.clone(), &light);
         let behind = Behind::new(&surfaces, &light, scene.behind.as_deref());
@@ -171,7 +171,7 @@ impl Front {
     }
 
     /// The scene of what was seen.
-    fn scene(&self, from: &Scene, wide: Vec<u16>, depth: &[f32]) -> Result<Scene, LensError> {
+    fn scene(&self, from: &Rgbd, wide: Vec<u16>, depth: &[f32]) -> Result<Rgbd, LensError> {
         // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
         let size = from.disparity.size();
         let place = |i: u32, axis: usize| (2 * i as usize + 1) * self.size[axis] as usize / (2 * size[axis] as usize);
@@ -193,6 +193,6 @@ impl Front {
             Some(path) => photo.with_source(path),
             None => photo,
         };
-        Ok(Scene { photo: Arc::new(photo), disparity: map, behind: None, space: from.space })
+        Ok(Rgbd { photo: Arc::new(photo), disparity: map, behind: None, space: from.space })
     }
 }

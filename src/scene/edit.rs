@@ -1,0 +1,137 @@
+//! What a person does to a picture: an edit, whose numbers have no width.
+
+use serde::{Deserialize, Serialize};
+
+use super::focus;
+use crate::field::{DisparityMap, FNumber, FocalPlane, Lens, LensShape, ViewPoint};
+
+/// Where it is sharp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Focus {
+    /// On what the picture most likely is about, each picture on its own.
+    #[default]
+    Subject,
+    /// On what is seen at a place, x and y from 0 to 1.
+    At([f32; 2]),
+    /// At a disparity in the middle of the picture, as a share of its width per view step.
+    Disparity(f32),
+}
+
+/// Everything that is done to a picture.
+///
+/// Disparities are shares of the picture's width per view step: the same edit is the same picture, however wide the
+/// views are that its depth was made for. [`Edit::lens`] brings them to the pixels of a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Edit {
+    /// How wide open.
+    pub f_number: FNumber,
+    /// The shape of the opening.
+    pub shape: LensShape,
+    /// Where it is sharp.
+    pub focus: Focus,
+    /// By how much the sharp disparity grows from the left to the right edge, and from the top to the bottom.
+    pub tilt: [f32; 2],
+    /// Disparities that stay sharp too: farther and nearer ones, relative to the focal plane (≤ 0, ≥ 0).
+    pub keep_sharp: [f32; 2],
+    /// How much clipped lights are brightened before they are blurred, 0 … 1.
+    pub highlights: f32,
+    /// How much of the photo's grain is put back into blurred parts, 0 … 1.
+    pub grain: f32,
+    /// Where the lens stands, in steps from the reference view.
+    #[serde(skip)]
+    pub viewpoint: ViewPoint,
+}
+
+impl Edit {
+    /// The lens for a map: disparities in pixels of its width, the focal plane through what is to be sharp.
+    pub fn lens(&self, map: &DisparityMap) -> Lens {
+        let width = map.size()[0] as f32;
+        let tilted = FocalPlane { disparity_px: 0.0, tilt_px: self.tilt.map(|share| share * width) };
+        let through = |place: [f32; 2]| focus::disparity_at(map, place) - tilted.at(place[0], place[1]);
+        let disparity_px = match self.focus {
+            Focus::Subject => through(focus::subject(map)),
+            Focus::At(place) => through(place),
+            Focus::Disparity(share) => share * width,
+        };
+        Lens {
+            f_number: self.f_number,
+            shape: self.shape,
+            focus: FocalPlane { disparity_px, ..tilted },
+            keep_sharp_px: self.keep_sharp.map(|share| share * width),
+            highlights: self.highlights,
+            grain: self.grain,
+        }
+    }
+
+    /// The same edit with the disparities of a lens, which are in pixels of `width`; the place in focus is given up.
+    #[must_use]
+    pub fn with_lens(self, lens: &Lens, width: u32) -> Self {
+        let share = |px: f32| px / width as f32;
+        Self {
+            f_number: lens.f_number,
+            shape: lens.shape,
+            focus: Focus::Disparity(share(lens.focus.disparity_px)),
+            tilt: lens.focus.tilt_px.map(share),
+            keep_sharp: lens.keep_sharp_px.map(share),
+            highlights: lens.highlights,
+            grain: lens.grain,
+            ..self
+        }
+    }
+
+    /// The edit for a photo that was never edited: lens and look of the last one, none of what belongs to its depth.
+    #[must_use]
+    pub fn for_new_photo(self) -> Self {
+        let (f_number, shape, highlights, grain) = (self.f_number, self.shape, self.highlights, self.grain);
+        Self { f_number, shape, highlights, grain, ..Self::default() }
+    }
+
+    /// Whether the picture is what the reference view shows: closed down, and seen from where the photo was taken.
+    pub fn shows_photo_itself(&self) -> bool {
+        self.f_number.added_views() == 0.0 && self.viewpoint == ViewPoint::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp from −1 to 1 px over 540 px, brought to other widths.
+    fn ramp(width: u32) -> DisparityMap {
+        let height = width * 2 / 3;
+        let value = |i: u32| ((i % width) as f32 + 0.5) / width as f32 * 2.0 - 1.0;
+        let px = (0..width * height).map(|i| value(i) * width as f32 / 540.0).collect();
+        DisparityMap::new([width, height], px).unwrap()
+    }
+
+    #[test]
+    fn the_same_edit_is_the_same_lens_at_every_width() {
+        let edit =
+            Edit { focus: Focus::At([0.75, 0.3]), tilt: [1e-3, -5e-4], keep_sharp: [-2e-4, 3e-4], ..Edit::default() };
+        let share = |edit: &Edit, width: u32| {
+            let lens = edit.lens(&ramp(width));
+            let all = [lens.focus.disparity_px, lens.focus.tilt_px[0], lens.keep_sharp_px[1]];
+            all.map(|px| px / width as f32)
+        };
+        for edit in [edit, Edit { focus: Focus::Disparity(4e-4), ..edit }, Edit { focus: Focus::Subject, ..edit }] {
+            let (wide, narrow) = (share(&edit, 540), share(&edit, 270));
+            assert!(wide.iter().zip(narrow).all(|(a, b)| (a - b).abs() < 2e-5), "{wide:?} {narrow:?}");
+        }
+    }
+
+    #[test]
+    fn a_tilted_plane_goes_through_the_place_in_focus() {
+        let edit = Edit { focus: Focus::At([0.25, 0.5]), tilt: [2e-3, 0.0], ..Edit::default() };
+        let lens = edit.lens(&ramp(540));
+        assert!((lens.focus.at(0.25, 0.5) + 0.5).abs() < 0.01, "{:?}", lens.focus);
+    }
+
+    #[test]
+    fn a_lens_comes_back_as_it_was() {
+        let map = ramp(270);
+        let edit = Edit { focus: Focus::Disparity(1e-3), tilt: [1e-3, 0.0], grain: 0.5, ..Edit::default() };
+        assert_eq!(Edit::default().with_lens(&edit.lens(&map), 270), edit);
+    }
+}

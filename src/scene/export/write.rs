@@ -1,0 +1,149 @@
+//! Writing what was asked for, of what is open or of a file. Everything is written aside, then renamed.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::{Kind, Settings};
+use crate::field::DisparityMap;
+use crate::io::formats::depth_map::GivenDepth;
+use crate::io::formats::depth_out::Seen;
+use crate::io::formats::{FieldToWrite, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
+use crate::io::save::{self, AnimationOptions, PictureOptions};
+use crate::job::{Job, Stage};
+use crate::render::cpu;
+use crate::scene::recipe::PictureSettings;
+use crate::scene::{Edit, MadeViews, Maker, Making, Recipe, Scene, SceneError, Subject, series};
+
+/// Quality of the JPEG that carries the depth.
+const GDEPTH_QUALITY: u8 = 95;
+
+/// What came of an export.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Written {
+    /// The file or folder was written.
+    Saved(PathBuf),
+    /// It was there already and was left as it is.
+    Skipped(PathBuf),
+}
+
+/// A file that is opened, of which as much is made as is needed, and which is written.
+pub struct FileExport<'a> {
+    /// The photo or light field.
+    pub path: &'a Path,
+    /// A map to use instead of any other depth.
+    pub own_map: Option<&'a GivenDepth>,
+    /// The edit.
+    pub recipe: &'a Recipe,
+    /// What is written, and how.
+    pub settings: &'a Settings,
+    /// Where it goes.
+    pub target: &'a Path,
+    /// Who makes the depth.
+    pub maker: &'a Maker,
+    /// How.
+    pub making: &'a Making,
+}
+
+impl FileExport<'_> {
+    /// Does all that; a target that is there already may be left as it is, and then nothing is opened.
+    ///
+    /// # Errors
+    /// [`SceneError`]; then nothing has been written.
+    pub fn run(&self, job: &Job) -> Result<Written, SceneError> {
+        let Some(target) = self.settings.existing.resolve(self.target) else {
+            return Ok(Written::Skipped(self.target.to_owned()));
+        };
+        let subject = Subject::open(self.path, job)?;
+        let subject = Arc::new(match self.own_map {
+            Some(map) => subject.with_own_map(map.clone()),
+            None => subject,
+        });
+        let need = self.settings.kind.need(self.settings.size());
+        let scene = self.maker.scene(&subject, self.making, need, job)?;
+        let edit = self.recipe.edit(scene.map().size()[0]);
+        write(&scene, &edit, self.settings, &target, job)?;
+        Ok(Written::Saved(target))
+    }
+}
+
+/// Writes what was asked for.
+///
+/// # Errors
+/// [`SceneError`]; then nothing has been written.
+pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
+    match settings.kind {
+        Kind::Picture => picture(scene, edit, settings, target, job),
+        Kind::FocalStack => series::focal_stack(scene, edit, settings.size(), settings.frames, target, job),
+        Kind::Animation => {
+            let options = AnimationOptions {
+                frames_per_second: settings.frames_per_second,
+                frames: settings.frames.max(2).into(),
+            };
+            series::animation(scene, edit, settings.movement, settings.size(), target, &options, job)
+        }
+        Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth => depth(scene, settings.kind, target, job),
+        _ => of_views(scene, settings, target, job),
+    }
+}
+
+/// The refocused picture, in the photo's own colours and with its metadata.
+fn picture(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
+    let options = picture_options(scene, settings);
+    let format = save::check(target, &options)?;
+    let pixels = scene.picture(edit, settings.size(), settings.picture.bits_in(format), job)?;
+    job.advance(Stage::Save, 0, 1)?;
+    Ok(save::pixels(target, &pixels, &options)?)
+}
+
+/// How a picture is written; the target's ending says the format.
+fn picture_options(scene: &Scene, settings: &Settings) -> PictureOptions {
+    let PictureSettings { bits, quality, keep, .. } = settings.picture;
+    let origin = scene.origin(settings.size());
+    PictureOptions { format: None, bits, quality, keep, origin, replace_source: settings.replaces_source }
+}
+
+/// One map as a file.
+fn depth(scene: &Scene, kind: Kind, target: &Path, job: &Job) -> Result<(), SceneError> {
+    job.advance(Stage::Save, 0, 1)?;
+    let map: &DisparityMap = scene.map();
+    match (kind, scene.subject().photo(), scene.views()) {
+        (Kind::DepthPng, ..) => depth_out::write_png16(target, map)?,
+        (Kind::Gdepth, Some(photo), _) => depth_out::write_gdepth(target, Seen::Photo(photo), map, GDEPTH_QUALITY)?,
+        (Kind::Gdepth, None, Some(views)) => {
+            depth_out::write_gdepth(target, Seen::View(views.field.reference()), map, GDEPTH_QUALITY)?;
+        }
+        _ => depth_out::write_pfm(target, map)?,
+    }
+    Ok(())
+}
+
+/// What is made of all views: light fields, stereo pictures, point clouds.
+fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
+    let MadeViews { field, depths } = scene.views().ok_or(SceneError::NoViews)?;
+    // A dark light field is shown brighter, and written as it is.
+    let stored = scene.subject().recorded().map_or(field, |recorded| recorded.as_stored());
+    let models: Vec<_> = scene.models().iter().map(|model| (model.id.clone(), model.sha256.clone())).collect();
+    let photo = scene.subject().photo().map(AsRef::as_ref);
+    let source = FieldToWrite { field: stored, depths: Some(depths), photo, models: &models };
+    let view = |at| cpu::view_with_depths(field, Some(depths), at);
+    job.advance(Stage::Save, 0, 1)?;
+    match settings.kind {
+        Kind::Views => views::write(target, &source, job)?,
+        Kind::Eslf => eslf::write(target, &source, job)?,
+        Kind::Hci => hci::write(target, &source, job)?,
+        Kind::Stanford => stanford::write(target, &source, job)?,
+        Kind::Ply => ply::write(target, &source)?,
+        Kind::Quilt => {
+            let reach = field.grid().cols() as f32 / 2.0;
+            quilt::write(target, settings.device(), [-reach, reach - 1.0], &view, job)?;
+        }
+        kind => {
+            let [left, right] = stereo::eyes(settings.eyes_apart).map(view);
+            match kind {
+                Kind::Anaglyph => stereo::write_anaglyph(target, &left, &right)?,
+                _ => stereo::write_side_by_side(target, &left, &right)?,
+            }
+        }
+    }
+    Ok(())
+}

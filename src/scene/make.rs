@@ -1,0 +1,288 @@
+//! From a subject to its disparity and views: nets that stay warm, the cache, plane sweep, and what is done without nets.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+use super::picture::{MadeBy, MadeViews, Scene};
+use super::{Content, OnePhoto, Recorded, SceneError, Subject};
+use crate::field::{DisparityMap, fit_long_side};
+use crate::io::formats::depth_map::GivenDepth;
+use crate::job::Job;
+use crate::synth::cache::Cache;
+use crate::synth::{
+    DepthSource, ModelSource, SynthParams, Synthesizer, fuse, lift, reference_view, sweep, synthesize_from_map,
+    upsample,
+};
+
+/// A correlation beyond this tells near from far. Of nine light fields of known sign it tells five, none of them wrongly.
+const TELLS: f32 = 0.5;
+
+/// Where ray depths come from.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DepthFrom {
+    /// The depth net.
+    #[default]
+    Network,
+    /// What the phone measured.
+    Phone,
+    /// The phone's order and scale, the net's edges.
+    Fused,
+    /// A map of one's own.
+    Map,
+    /// Another model of the models folder, by name.
+    Model(String),
+}
+
+impl DepthFrom {
+    /// The source that a name on the command line stands for.
+    pub fn named(name: &str) -> Self {
+        match name {
+            "network" => Self::Network,
+            "phone" => Self::Phone,
+            "fused" => Self::Fused,
+            model => Self::Model(model.to_owned()),
+        }
+    }
+
+    /// What is left of the choice at the next start. A map belongs to one photo and another model to the photos that
+    /// it is good for: one that knows flowers alone takes a wall for near.
+    #[must_use]
+    pub fn lasting(self) -> Self {
+        match self {
+            Self::Map | Self::Model(_) => Self::Network,
+            source => source,
+        }
+    }
+}
+
+/// How light fields are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Making {
+    /// Long side of a view, in pixels; a smaller photo is not enlarged.
+    pub long_side: u32,
+    /// Whether the occlusion net corrects the Lambertian views.
+    pub occlusion: bool,
+    /// Threads that compute; 0 is one for each core.
+    pub threads: usize,
+    /// Where ray depths come from.
+    pub source: DepthFrom,
+    /// Where the nets come from.
+    pub models: ModelSource,
+}
+
+impl Making {
+    /// Long side of a view where nobody asks for another, in pixels.
+    pub const LONG_SIDE: u32 = 540;
+
+    /// Width and height of the views of a subject.
+    pub fn view_size(&self, subject: &Subject) -> [u32; 2] {
+        match &subject.content {
+            Content::Photo(one) => fit_long_side(one.photo.size(), self.long_side.max(1)),
+            Content::Views(recorded) => recorded.shown.size(),
+        }
+    }
+}
+
+impl Default for Making {
+    fn default() -> Self {
+        let (source, models) = (DepthFrom::default(), ModelSource::default());
+        Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models }
+    }
+}
+
+/// What is asked for: one map is made much sooner than 64 views.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// The disparity of the reference view: what the lens renderer needs.
+    Map,
+    /// All views and the disparity of every ray.
+    Views,
+}
+
+/// Makes scenes of subjects, and keeps its nets between them.
+#[derive(Default)]
+pub struct Maker {
+    cache: Option<Cache>,
+    nets: Mutex<Option<(ModelSource, Arc<Synthesizer>)>>,
+}
+
+impl Maker {
+    /// With a cache of light fields, or without. Nothing is loaded before the first photo.
+    pub fn new(cache: Option<Cache>) -> Self {
+        Self { cache, nets: Mutex::default() }
+    }
+
+    /// Makes what is needed of a subject. The sink hears of ray depths and views as they come.
+    ///
+    /// # Errors
+    /// [`SceneError`]. A photo with a depth of its own becomes a scene even where the nets cannot be loaded.
+    pub fn scene(&self, subject: &Arc<Subject>, how: &Making, need: Need, job: &Job) -> Result<Scene, SceneError> {
+        let started = Instant::now();
+        let scene = match &subject.content {
+            Content::Photo(one) => self.of_photo(subject, one, how, need, job)?,
+            Content::Views(recorded) => self.of_views(subject, recorded, how, job)?,
+        };
+        let took = started.elapsed();
+        log::info!("{}: {:?} in {:.3} s", subject.name, need, took.as_secs_f32());
+        Ok(scene.timed(took))
+    }
+
+    fn of_photo(
+        &self,
+        subject: &Arc<Subject>,
+        one: &OnePhoto,
+        how: &Making,
+        need: Need,
+        job: &Job,
+    ) -> Result<Scene, SceneError> {
+        let params = params(one, how, job);
+        let given = params.disparity.clone();
+        if let Some(map) = given.as_ref().filter(|_| need == Need::Map) {
+            return Scene::of_map(subject, Arc::clone(map), MadeBy::named(OWN_MAP));
+        }
+        if let Some(map) = given.as_ref().filter(|_| !how.occlusion) {
+            let made = synthesize_from_map(&one.photo, map, &params, job)?;
+            return Scene::of_views(subject, given, made.into(), MadeBy::named(OWN_MAP));
+        }
+        let nets = match self.nets(&how.models) {
+            Ok(nets) => nets,
+            Err(error) => return without_nets(subject, one, &params, need, error, job),
+        };
+        let made_by = MadeBy { names: first_names(how, &params), models: nets.models(&params) };
+        if need == Need::Map {
+            let map = nets.depth_map(&one.photo, &params, self.cache.as_ref(), job)?;
+            return Scene::of_map(subject, Arc::new(map), made_by);
+        }
+        let made = nets.synthesize_cached(&one.photo, &params, self.cache.as_ref(), job)?;
+        Scene::of_views(subject, given, made.into(), made_by)
+    }
+
+    /// A recorded light field: its own ray depths, those of its reference view lifted, or measured from its views.
+    fn of_views(
+        &self,
+        subject: &Arc<Subject>,
+        recorded: &Recorded,
+        how: &Making,
+        job: &Job,
+    ) -> Result<Scene, SceneError> {
+        let field = Arc::clone(&recorded.shown);
+        let reference = recorded.reference.as_ref().filter(|map| map.size() == field.size());
+        let depths = match (&recorded.depths, reference) {
+            (Some(depths), _) => Arc::clone(depths),
+            (None, Some(map)) => Arc::new(lift::lifted(map, field.grid(), job)?),
+            (None, None) => {
+                let depths = Arc::new(sweep::ray_depths(&field, job)?);
+                self.doubt_sign(recorded, &depths.reference_map(), how, job);
+                depths
+            }
+        };
+        Scene::of_views(subject, None, MadeViews { field, depths }, MadeBy::named("from disk"))
+    }
+
+    /// Colours cannot tell near from far (see [`Layout`](crate::io::formats::layout::Layout)); the depth net has a guess.
+    fn doubt_sign(&self, recorded: &Recorded, measured: &DisparityMap, how: &Making, job: &Job) {
+        let Ok(nets) = self.nets(&how.models) else { return };
+        let params = SynthParams { threads: how.threads, ..SynthParams::default() };
+        let Ok(guess) = nets.working_scale_depth(recorded.shown.reference(), &params, job) else { return };
+        if fuse::agreement(&guess, measured) < -TELLS {
+            job.sink.warning(
+                "What looks near to the depth net lies far in these views: if it is near, turn on “Exchange near and far”"
+                    .to_owned(),
+            );
+        }
+    }
+
+    /// The nets of a source, loaded once.
+    fn nets(&self, models: &ModelSource) -> Result<Arc<Synthesizer>, SceneError> {
+        let mut kept = self.nets.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, nets)) = kept.as_ref().filter(|(have, _)| have == models) {
+            return Ok(Arc::clone(nets));
+        }
+        let nets = Arc::new(Synthesizer::load(models)?);
+        *kept = Some((models.clone(), Arc::clone(&nets)));
+        Ok(nets)
+    }
+
+    /// Where the cache's entries lie, if there is a cache.
+    pub fn cache_folder(&self) -> Option<PathBuf> {
+        self.cache.as_ref().map(|cache| cache.folder().to_owned())
+    }
+}
+
+/// What people read where a map of their own made the picture, and where the phone's did.
+const OWN_MAP: &str = "your map";
+const PHONE: &str = "phone";
+
+/// What stands before the models' names.
+fn first_names(how: &Making, params: &SynthParams) -> Vec<String> {
+    let name = match params.source {
+        _ if params.disparity.is_some() => OWN_MAP,
+        DepthSource::Phone if how.source == DepthFrom::Map => OWN_MAP,
+        DepthSource::Phone | DepthSource::Fused => PHONE,
+        DepthSource::Model(_) | DepthSource::Network => return Vec::new(),
+    };
+    vec![name.to_owned()]
+}
+
+/// What the synthesis is asked for; a source that this photo has not is the network, and the person is told.
+fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
+    let base = SynthParams {
+        long_side: how.long_side,
+        occlusion: how.occlusion,
+        threads: how.threads,
+        disparity: None,
+        source: DepthSource::Network,
+        phone: one.phone.as_ref().map(|depth| Arc::new(depth.map.clone())),
+    };
+    let missing = |what: &str| job.sink.warning(format!("{what}, so the network's depth is used"));
+    match (&how.source, &one.own_map) {
+        (DepthFrom::Phone | DepthFrom::Fused, _) if base.phone.is_none() => {
+            missing("This photo has no depth of its own")
+        }
+        (DepthFrom::Phone, _) => return SynthParams { source: DepthSource::Phone, ..base },
+        (DepthFrom::Fused, _) => return SynthParams { source: DepthSource::Fused, ..base },
+        (DepthFrom::Map, None) => missing("There is no map for this photo"),
+        (DepthFrom::Map, Some(GivenDepth::Disparity(map))) => {
+            return SynthParams { disparity: Some(Arc::clone(map)), ..base };
+        }
+        (DepthFrom::Map, Some(GivenDepth::Order(map))) => {
+            return SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(map)), ..base };
+        }
+        (DepthFrom::Model(id), _) => return SynthParams { source: DepthSource::Model(id.clone()), ..base },
+        (DepthFrom::Network, _) => {}
+    }
+    base
+}
+
+/// Lambertian views (paper, §3.2) of a photo whose depth is known; else the error that the nets gave.
+fn without_nets(
+    subject: &Arc<Subject>,
+    one: &OnePhoto,
+    params: &SynthParams,
+    need: Need,
+    error: SceneError,
+    job: &Job,
+) -> Result<Scene, SceneError> {
+    let guided = |map: &DisparityMap| -> Result<DisparityMap, SceneError> {
+        let reference = reference_view(&one.photo, params.long_side, job)?;
+        Ok(upsample::to_guide(map, &reference, job)?)
+    };
+    let map = match (&params.disparity, &one.truth, &params.phone) {
+        (Some(map), ..) => Arc::clone(map),
+        (None, Some(truth), _) => Arc::new(guided(truth)?),
+        (None, None, Some(phone)) => Arc::new(guided(&phone.disparity())?),
+        (None, None, None) => return Err(error),
+    };
+    job.sink.warning(format!("{} — the picture's own depth is used", crate::errors::sentence(&error)));
+    let made_by = MadeBy::named("the picture's own depth");
+    match need {
+        Need::Map => Scene::of_map(subject, map, made_by),
+        Need::Views => {
+            let made = synthesize_from_map(&one.photo, &map, params, job)?;
+            Scene::of_views(subject, Some(map), made.into(), made_by)
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! One way from a file to a picture, for every front door.
+//!
+//! ```text
+//! path ─Subject::open─► Subject ─Maker─► Scene ─Edit─► picture ─export─► file
+//! ```
+//!
+//! * [`Subject`]: a photo or a recorded light field, and what is known of its depth.
+//! * [`Maker`]: its disparities and views, by nets that stay warm, from the cache, or by sweep; only what is needed.
+//! * [`Scene`]: a subject with its disparity; pictures of it by the lens renderer, or by its views.
+//! * [`Edit`], [`Focus`]: what a person does to a picture, in numbers without a width.
+//! * [`recipe`]: an edit as a small JSON file; [`export`]: everything that can be written; [`batch`]: of many photos.
+//!
+//! The window and the command line hold arguments, threads and what is on the screen, and decide nothing that is
+//! decided here.
+
+pub mod batch;
+mod edit;
+mod error;
+pub mod export;
+pub mod focus;
+mod make;
+mod picture;
+pub mod recipe;
+mod series;
+mod subject;
+
+pub use edit::{Edit, Focus};
+pub use error::SceneError;
+pub use make::{DepthFrom, Maker, Making, Need};
+pub use picture::{MadeViews, OutputSize, Scene};
+pub use recipe::Recipe;
+pub use series::Movement;
+pub use subject::{Content, OnePhoto, Recorded, Subject};

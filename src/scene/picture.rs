@@ -1,0 +1,266 @@
+//! A subject with its disparity, and the pictures of it.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Edit, Focus, SceneError, Subject, focus};
+use crate::field::{DisparityMap, Lens, LightField, Photo, Picture, Pixels, RayDepths, fit_long_side};
+use crate::io::save::Origin;
+use crate::job::Job;
+use crate::render::cpu;
+use crate::render::lens::{self, Rgbd, Space};
+use crate::synth::{ModelTag, Synthesis};
+
+/// How large the picture becomes; never larger than the photo.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutputSize {
+    /// As the photo.
+    #[default]
+    Photo,
+    /// At most so many pixels on the longer side.
+    LongSide(u32),
+    /// As large as fits into this width and height.
+    Within([u32; 2]),
+    /// As the views: their sum, as the paper refocuses (§1).
+    LightField,
+}
+
+impl OutputSize {
+    /// The picture's size for a photo's; that of the views is the photo's here.
+    pub fn of(self, photo: [u32; 2]) -> [u32; 2] {
+        match self {
+            Self::Photo | Self::LightField => photo,
+            Self::LongSide(side) => fit_long_side(photo, side.max(1)),
+            Self::Within(wanted) => within(photo, wanted),
+        }
+    }
+}
+
+/// The largest size of a photo's shape in a width and height; what misses them by a pixel's rounding is taken as asked.
+fn within(photo: [u32; 2], wanted: [u32; 2]) -> [u32; 2] {
+    let wanted = [0, 1].map(|axis| wanted[axis].clamp(1, photo[axis]));
+    let share = |axis: usize| f64::from(wanted[axis]) / f64::from(photo[axis]);
+    let scale = share(0).min(share(1));
+    let fits = photo.map(|side| ((f64::from(side) * scale).round() as u32).max(1));
+    if fits.iter().zip(wanted).all(|(fits, wanted)| fits.abs_diff(wanted) <= 1) { wanted } else { fits }
+}
+
+/// A subject with its disparity: all that pictures are made of.
+#[derive(Clone)]
+pub struct Scene {
+    subject: Arc<Subject>,
+    map: Arc<DisparityMap>,
+    subject_at: OnceLock<[f32; 2]>,
+    views: Option<MadeViews>,
+    made_by: MadeBy,
+    took: Duration,
+}
+
+/// Views and the disparity of every ray, of one size.
+#[derive(Clone, Debug)]
+pub struct MadeViews {
+    /// The views as they are shown.
+    pub field: Arc<LightField>,
+    /// The disparity of every ray.
+    pub depths: Arc<RayDepths>,
+}
+
+impl From<Synthesis> for MadeViews {
+    fn from(made: Synthesis) -> Self {
+        Self { field: made.field, depths: made.depths }
+    }
+}
+
+/// Who made a scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MadeBy {
+    /// Sources that are no models.
+    pub(super) names: Vec<String>,
+    /// The models that took part.
+    pub(super) models: Vec<ModelTag>,
+}
+
+impl MadeBy {
+    pub(super) fn named(name: &str) -> Self {
+        Self { names: vec![name.to_owned()], models: Vec::new() }
+    }
+}
+
+impl Scene {
+    /// Of one map alone.
+    pub(super) fn of_map(subject: &Arc<Subject>, map: Arc<DisparityMap>, made_by: MadeBy) -> Result<Self, SceneError> {
+        Rgbd::check(subject.size(), &map)?;
+        let (subject, subject_at) = (Arc::clone(subject), OnceLock::new());
+        Ok(Self { subject, map, subject_at, views: None, made_by, took: Duration::ZERO })
+    }
+
+    /// Of views; `given` is the map that they were made from, where that is known better than at their size.
+    pub(super) fn of_views(
+        subject: &Arc<Subject>,
+        given: Option<Arc<DisparityMap>>,
+        views: MadeViews,
+        made_by: MadeBy,
+    ) -> Result<Self, SceneError> {
+        let map = given.unwrap_or_else(|| Arc::new(views.depths.reference_map()));
+        Ok(Self { views: Some(views), ..Self::of_map(subject, map, made_by)? })
+    }
+
+    pub(super) fn timed(self, took: Duration) -> Self {
+        Self { took, ..self }
+    }
+
+    /// What it is a scene of.
+    pub fn subject(&self) -> &Arc<Subject> {
+        &self.subject
+    }
+
+    /// The disparity of the reference view, as exact as it is known.
+    pub fn map(&self) -> &Arc<DisparityMap> {
+        &self.map
+    }
+
+    /// The views; none where only a map was asked for.
+    pub fn views(&self) -> Option<&MadeViews> {
+        self.views.as_ref()
+    }
+
+    /// The models that made it.
+    pub fn models(&self) -> &[ModelTag] {
+        &self.made_by.models
+    }
+
+    /// Who made it, for people.
+    pub fn made_by(&self) -> String {
+        let models = self.made_by.models.iter().map(|model| &model.id);
+        self.made_by.names.iter().chain(models).map(String::as_str).collect::<Vec<_>>().join(" + ")
+    }
+
+    /// How long it took to make.
+    pub fn took(&self) -> Duration {
+        self.took
+    }
+
+    /// The lens of an edit, in pixels of the map's width.
+    pub fn lens(&self, edit: &Edit) -> Lens {
+        match edit.focus {
+            Focus::Subject => Edit { focus: Focus::At(self.subject_at()), ..*edit }.lens(&self.map),
+            _ => edit.lens(&self.map),
+        }
+    }
+
+    /// Where the subject most likely is, x and y from 0 to 1.
+    pub fn subject_at(&self) -> [f32; 2] {
+        *self.subject_at.get_or_init(|| focus::subject(&self.map))
+    }
+
+    /// The lens of an edit, in pixels of a width.
+    pub fn lens_at(&self, edit: &Edit, width: u32) -> Lens {
+        self.lens(edit).scaled(width as f32 / self.map.size()[0] as f32)
+    }
+
+    /// The photo, or the reference view, with its disparity: what the lens renderer works on. For a recorded light
+    /// field it knows what the other views have seen behind edges.
+    pub fn rgbd(&self) -> Result<Rgbd, SceneError> {
+        let map = DisparityMap::clone(&self.map);
+        let Some(photo) = self.subject.photo() else { return self.rgbd_of_views(map) };
+        Ok(Rgbd::new(Arc::clone(photo), map)?)
+    }
+
+    fn rgbd_of_views(&self, map: DisparityMap) -> Result<Rgbd, SceneError> {
+        let views = self.made_views()?;
+        let reference = views.field.reference();
+        let photo = Photo::from_srgb8(reference.size(), reference.rgba().to_vec())?;
+        Ok(Rgbd::new(Arc::new(photo), map)?.with_behind(lens::revealed(&views.field, &views.depths)))
+    }
+
+    /// The views, or why there are none.
+    pub fn made_views(&self) -> Result<&MadeViews, SceneError> {
+        self.views.as_ref().ok_or(SceneError::NoViews)
+    }
+
+    /// Width and height of a picture of it.
+    pub fn picture_size(&self, size: OutputSize) -> [u32; 2] {
+        match (size, &self.views) {
+            (OutputSize::LightField, Some(views)) => views.field.size(),
+            _ => size.of(self.subject.size()),
+        }
+    }
+
+    /// Whether a picture is a sum of views: asked for so, or of a recorded light field at its own size, as long as its
+    /// views reach across the lens. All else is the lens renderer's.
+    pub fn sums_views(&self, edit: &Edit, size: OutputSize) -> bool {
+        let Some(views) = &self.views else { return false };
+        let is_asked_for = size == OutputSize::LightField;
+        let is_own_size = self.subject.photo().is_none() && self.picture_size(size) == views.field.size();
+        (is_asked_for || is_own_size) && views.field.grid().spans(edit.f_number)
+    }
+
+    /// What must be made of a subject for a picture of this size.
+    pub fn need(size: OutputSize) -> super::Need {
+        if size == OutputSize::LightField { super::Need::Views } else { super::Need::Map }
+    }
+
+    /// What the numbers of [`Scene::picture`] mean, and what is known about the photo.
+    pub fn origin(&self, size: OutputSize) -> Origin {
+        match self.subject.photo() {
+            Some(photo) if size == OutputSize::LightField => Origin::in_srgb(photo),
+            Some(photo) => Origin::in_own_space(photo),
+            None => Origin { source: self.subject.path.clone(), ..Origin::default() },
+        }
+    }
+
+    /// The picture as it stands in a file, of 8 or 16 bits a channel. A photo keeps its own colours.
+    pub fn picture(&self, edit: &Edit, size: OutputSize, bits: u8, job: &Job) -> Result<Pixels, SceneError> {
+        if self.sums_views(edit, size) {
+            let sum = self.sum_of_views(edit)?;
+            return Ok(Pixels::from_linear(sum.size, &sum.rgb_linear, bits, &self.origin(size).transfer));
+        }
+        let space = if size == OutputSize::LightField { Space::Srgb } else { Space::Own };
+        let (rgbd, size) = self.seen(edit, size, space, job)?;
+        Ok(lens::render_pixels(&rgbd, &self.lens(edit), size, bits, job)?)
+    }
+
+    /// The picture in linear sRGB light, for screens and the clipboard.
+    pub fn shown(&self, edit: &Edit, size: OutputSize, job: &Job) -> Result<Picture, SceneError> {
+        if self.sums_views(edit, size) {
+            return self.sum_of_views(edit);
+        }
+        let (rgbd, size) = self.seen(edit, size, Space::Srgb, job)?;
+        Ok(lens::render(&rgbd, &self.lens(edit), size, job)?)
+    }
+
+    fn seen(&self, edit: &Edit, size: OutputSize, space: Space, job: &Job) -> Result<(Rgbd, [u32; 2]), SceneError> {
+        let size = self.picture_size(size);
+        Ok((self.rgbd()?.in_space(space).seen_from(edit.viewpoint, size, job)?, size))
+    }
+
+    /// Shift and add (paper, §1); closed down, the view itself.
+    fn sum_of_views(&self, edit: &Edit) -> Result<Picture, SceneError> {
+        let MadeViews { field, depths } = self.made_views()?;
+        if edit.f_number.added_views() == 0.0 {
+            return Ok(cpu::view_with_depths(field, Some(depths), edit.viewpoint));
+        }
+        let lens = self.lens_at(edit, field.size()[0]);
+        Ok(cpu::refocus_with_depths(field, Some(depths), &lens, edit.viewpoint))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_keep_the_shape_and_never_grow() {
+        assert_eq!(OutputSize::LongSide(2048).of([4000, 3000]), [2048, 1536]);
+        assert_eq!(OutputSize::Within([1000, 1000]).of([4000, 3000]), [1000, 750]);
+        assert_eq!(
+            OutputSize::Within([1000, 751]).of([4000, 3000]),
+            [1000, 751],
+            "a pixel's rounding is no other shape"
+        );
+        assert_eq!(OutputSize::Within([9000, 9000]).of([4000, 3000]), [4000, 3000]);
+    }
+}

@@ -1,0 +1,177 @@
+//! What pictures are made of: a photo, or a light field that was recorded.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::SceneError;
+use crate::field::{DisparityMap, LightField, Photo, RayDepths, View};
+use crate::io::formats::depth_map::GivenDepth;
+use crate::io::formats::layout::Layout;
+use crate::io::{self, EmbeddedDepth, FileInfo, LightFieldFile, Opened, PhotoFile};
+use crate::job::Job;
+
+/// An open file, or a picture that never was one.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Its name, for people and for the names of exports.
+    pub name: String,
+    /// Where it lies; none for a pasted picture and the sample.
+    pub path: Option<PathBuf>,
+    /// What the file is; none for what was no file.
+    pub info: Option<FileInfo>,
+    /// What is in it.
+    pub content: Content,
+}
+
+/// A photo or a grid of views.
+#[derive(Clone, Debug)]
+pub enum Content {
+    /// One picture: its other views are made.
+    Photo(OnePhoto),
+    /// Views that a camera or a renderer made.
+    Views(Recorded),
+}
+
+/// A photo and what is known of its depth.
+#[derive(Clone, Debug)]
+pub struct OnePhoto {
+    /// The photo.
+    pub photo: Arc<Photo>,
+    /// Depth that the phone measured.
+    pub phone: Option<Arc<EmbeddedDepth>>,
+    /// A map of one's own.
+    pub own_map: Option<GivenDepth>,
+    /// The true disparity, where the program drew the photo itself.
+    pub truth: Option<Arc<DisparityMap>>,
+}
+
+/// A light field as it was recorded.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// The views as they are shown.
+    pub shown: Arc<LightField>,
+    /// The views as they lie in their files, where they are shown brighter: what is written as a light field.
+    pub stored: Option<Arc<LightField>>,
+    /// The disparity of every ray, where the file has it.
+    pub depths: Option<Arc<RayDepths>>,
+    /// The disparity of the reference view alone, where the file has only that.
+    pub reference: Option<Arc<DisparityMap>>,
+    /// How the stored views were laid out to fit the conventions.
+    pub layout: Layout,
+}
+
+impl Subject {
+    /// Opens a file or folder, and passes its warnings on.
+    pub fn open(path: &Path, job: &Job) -> Result<Self, SceneError> {
+        let opened = io::open(path, job)?;
+        log::info!("opened {}", path.display());
+        opened.info().warnings.iter().for_each(|warning| job.sink.warning(warning.clone()));
+        Ok(Self::from_opened(opened, path))
+    }
+
+    /// What was read from a path.
+    pub fn from_opened(opened: Opened, path: &Path) -> Self {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let info = Some(opened.info().clone());
+        let content = match opened {
+            Opened::Photo(file) => Content::Photo(OnePhoto::from(*file)),
+            Opened::LightField(file) => Content::Views(Recorded::from(*file)),
+        };
+        Self { name, path: Some(path.to_owned()), info, content }
+    }
+
+    /// A photo that is no file.
+    pub fn from_photo(photo: Arc<Photo>, name: &str) -> Self {
+        let content = Content::Photo(OnePhoto { photo, phone: None, own_map: None, truth: None });
+        Self { name: name.to_owned(), path: None, info: None, content }
+    }
+
+    /// The built-in sample, whose true disparity is known.
+    pub fn sample() -> Result<Self, SceneError> {
+        let sample = io::sample::sample()?;
+        let mut subject = Self::from_photo(sample.photo, "Sample");
+        if let Content::Photo(one) = &mut subject.content {
+            one.truth = Some(Arc::new(sample.disparity));
+        }
+        Ok(subject)
+    }
+
+    /// The photo; none for a recorded light field.
+    pub fn photo(&self) -> Option<&Arc<Photo>> {
+        match &self.content {
+            Content::Photo(one) => Some(&one.photo),
+            Content::Views(_) => None,
+        }
+    }
+
+    /// The views; none for a photo, whose views are made.
+    pub fn recorded(&self) -> Option<&Recorded> {
+        match &self.content {
+            Content::Photo(_) => None,
+            Content::Views(recorded) => Some(recorded),
+        }
+    }
+
+    /// Width and height of the picture that is looked at.
+    pub fn size(&self) -> [u32; 2] {
+        match &self.content {
+            Content::Photo(one) => one.photo.size(),
+            Content::Views(recorded) => recorded.shown.size(),
+        }
+    }
+
+    /// A photo with a map of one's own; a recorded light field stays as it is.
+    #[must_use]
+    pub fn with_own_map(mut self, own: GivenDepth) -> Self {
+        if let Content::Photo(one) = &mut self.content {
+            one.own_map = Some(own);
+        }
+        self
+    }
+}
+
+impl From<PhotoFile> for OnePhoto {
+    fn from(file: PhotoFile) -> Self {
+        Self { photo: file.photo, phone: file.depth.map(Arc::new), own_map: None, truth: None }
+    }
+}
+
+impl From<LightFieldFile> for Recorded {
+    fn from(file: LightFieldFile) -> Self {
+        let shown = file.display_gamma.map(|gamma| Arc::new(brighter(&file.field, gamma)));
+        Self {
+            stored: shown.is_some().then(|| Arc::clone(&file.field)),
+            shown: shown.unwrap_or(file.field),
+            depths: file.depths,
+            reference: file.reference_disparity.map(Arc::new),
+            layout: file.layout,
+        }
+    }
+}
+
+impl Recorded {
+    /// The views as they lie in their files.
+    pub fn as_stored(&self) -> &Arc<LightField> {
+        self.stored.as_ref().unwrap_or(&self.shown)
+    }
+
+    /// The same views in another layout, without disparities: they are to be measured anew.
+    #[must_use]
+    pub fn laid_out(&self, layout: Layout) -> Self {
+        let turn = |field: &Arc<LightField>| Arc::new(layout.apply(&self.layout.undo(field)));
+        let (shown, stored) = (turn(&self.shown), self.stored.as_ref().map(turn));
+        Self { shown, stored, layout, depths: None, reference: None }
+    }
+}
+
+/// A dark light field as it should be shown: `shown = stored ^ γ`.
+fn brighter(field: &LightField, gamma: f32) -> LightField {
+    let table: Vec<u8> = (0..=255u8).map(|v| ((f32::from(v) / 255.0).powf(gamma) * 255.0).round() as u8).collect();
+    let shown = |view: &Arc<View>| {
+        let rgba = view.rgba().chunks_exact(4);
+        let rgba =
+            rgba.flat_map(|p| [table[p[0] as usize], table[p[1] as usize], table[p[2] as usize], p[3]]).collect();
+        View::new(view.size(), rgba).map_or_else(|_same_size| Arc::clone(view), Arc::new)
+    };
+    LightField::new(field.grid(), field.views().iter().map(shown).collect()).unwrap_or_else(|_same_views| field.clone())
+}
