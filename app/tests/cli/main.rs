@@ -1,6 +1,7 @@
 //! The real program `plenoscope`, as a person at a terminal or a script uses it.
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
 
+mod agree;
 mod basics;
 mod common;
 mod light_field;
