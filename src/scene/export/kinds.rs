@@ -239,4 +239,12 @@ mod tests {
         ids.dedup();
         assert_eq!(ids.len(), KINDS.len());
     }
+
+    #[test]
+    fn the_readme_has_the_same_lines() {
+        let readme = include_str!("../../../README.md");
+        for Spec { id, hint, .. } in KINDS {
+            assert!(readme.contains(&format!("| `{id}` | {hint} |")), "README has no line of {id}");
+        }
+    }
 }

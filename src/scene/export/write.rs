@@ -7,7 +7,7 @@ use super::{Kind, Settings};
 use crate::field::DisparityMap;
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::depth_out::Seen;
-use crate::io::formats::{FieldToWrite, depth_out, eslf, hci, ply, quilt, stanford, stereo, views};
+use crate::io::formats::{self, FieldToWrite, Writer, depth_out, ply, quilt, stereo};
 use crate::io::save::{self, AnimationOptions, PictureOptions};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
@@ -127,11 +127,11 @@ fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Res
     let source = FieldToWrite { field: stored, depths: Some(depths), photo, models: &models };
     let view = |at| cpu::view_with_depths(field, Some(depths), at);
     job.advance(Stage::Save, 0, 1)?;
+    let writer = formats::by_id(settings.kind.spec().id).and_then(|entry| entry.writer);
+    if let Some(Writer::Field(write)) = writer {
+        return Ok(write(target, &source, job)?);
+    }
     match settings.kind {
-        Kind::Views => views::write(target, &source, job)?,
-        Kind::Eslf => eslf::write(target, &source, job)?,
-        Kind::Hci => hci::write(target, &source, job)?,
-        Kind::Stanford => stanford::write(target, &source, job)?,
         Kind::Ply => ply::write(target, &source)?,
         Kind::Quilt => {
             let reach = field.grid().cols() as f32 / 2.0;
