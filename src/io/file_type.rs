@@ -4,6 +4,9 @@ use super::formats::{self, depth_map::DepthMap};
 use super::raster::{self, Raster};
 use super::{PhotoFile, Problem};
 
+/// Makes something of a whole file.
+type Parse<T> = fn(&[u8]) -> Result<T, Problem>;
+
 /// A format of files. What is not said of it in its own module is as in [`FileType::UNKNOWN`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FileType {
@@ -14,11 +17,11 @@ pub(crate) struct FileType {
     /// Whether a file begins as this format does.
     pub(crate) begins: fn(&[u8]) -> bool,
     /// The photo with all that its file says; where this is missing, the pixels are the photo.
-    pub(crate) photo: Option<fn(&[u8]) -> Result<PhotoFile, Problem>>,
+    pub(crate) photo: Option<Parse<PhotoFile>>,
     /// The pixels alone: of views, of depth maps, of pictures in pictures.
     pub(crate) pixels: Option<Pixels>,
     /// A map of numbers.
-    pub(crate) map: Option<fn(&[u8]) -> Result<DepthMap, Problem>>,
+    pub(crate) map: Option<Parse<DepthMap>>,
 }
 
 /// How pixels are read.

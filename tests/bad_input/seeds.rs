@@ -8,7 +8,7 @@ use image::{DynamicImage, ImageFormat, Rgb, RgbImage};
 use jpeg_encoder::{ColorType as JpegColor, Encoder as JpegEncoder};
 use plenoscope::field::{DisparityMap, View};
 use plenoscope::io::formats::depth_out::{self, Seen};
-use plenoscope::io::formats::{FieldToWrite, Writer, by_id};
+use plenoscope::io::formats::{FieldToWrite, Writer, by_id, pfm};
 use plenoscope::job::{Cancel, Job};
 use tempfile::TempDir;
 
@@ -49,6 +49,18 @@ pub fn of(line: &str) -> Vec<Seed> {
         "Stanford archive" => folder("stanford", &["out_01_00_-0.000000_-1.000000.png"]),
         name if name.starts_with("folder of views (`view_V_U.png`") => {
             folder("views", &["lightfield.json", "view_1_0.png", "disparity_0_1.pfm"])
+        }
+        name if name.starts_with("Middlebury stereo scene") => {
+            let dir = Arc::new(tempfile::tempdir().unwrap());
+            let calibration = b"cam0=[40.5 0 12; 0 40.5 8; 0 0 1]\ndoffs=1.5\nbaseline=190\n".to_vec();
+            let mut map = Vec::new();
+            let disparities: Vec<f32> = (0..SIZE[0] * SIZE[1]).map(|n| n as f32 / 9.0).collect();
+            pfm::write_pfm(&mut map, SIZE, &disparities).unwrap();
+            std::fs::write(dir.path().join("im0.png"), still(Png)).unwrap();
+            std::fs::write(dir.path().join("disp0.pfm"), &map).unwrap();
+            std::fs::write(dir.path().join("calib.txt"), &calibration).unwrap();
+            let of = |file, whole| seed("middlebury", As::In { folder: Arc::clone(&dir), file, open: "" }, vec![whole]);
+            vec![of("calib.txt", calibration), of("disp0.pfm", map)]
         }
         "folder of views with other names" => {
             let seeds = folder("views", &["view_1_0.png"]);

@@ -25,7 +25,7 @@ const FORMAT: &str = "HCI 4-D benchmark";
 pub(super) const CONFIG: &str = "parameters.cfg";
 
 /// The numbers of `parameters.cfg`, by name; sections do not matter, as no name is in two of them.
-fn parse_config(text: &str) -> HashMap<String, String> {
+pub(super) fn parse_config(text: &str) -> HashMap<String, String> {
     let pair =
         |line: &str| line.split_once('=').map(|(key, value)| (key.trim().to_lowercase(), value.trim().to_owned()));
     text.lines().filter(|line| !line.trim_start().starts_with(['#', ';', '['])).filter_map(pair).collect()

@@ -8,6 +8,7 @@ pub mod hci;
 pub mod layout;
 pub mod lytro;
 mod matching;
+mod middlebury;
 mod out;
 pub mod pfm;
 pub(crate) mod phone;
@@ -34,15 +35,20 @@ use phone::{apple, dynamic, gdepth, heic, jpeg, side_file, spatial};
 
 pub use out::FieldToWrite;
 
+/// What a file or folder holds; nothing where it is of another format.
+type Found<T> = Result<Option<T>, Problem>;
+/// The depth in a photo's file, or what is wrong with it.
+type FoundDepth = Option<Result<EmbeddedDepth, String>>;
+
 /// How a format is told from others, and what opens it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Reader {
     /// Files that their first bytes tell.
     Files(&'static [FileType]),
     /// A light field within one picture: told by what is in it, or by its name.
-    Within(fn(&[u8], Option<&Path>, &Job) -> Result<Option<LightFieldFile>, Problem>),
+    Within(fn(&[u8], Option<&Path>, &Job) -> Found<LightFieldFile>),
     /// A folder: the file that stands for it, and what opens it if it is such a one.
-    Folder(Option<&'static str>, fn(&Path, &Job) -> Result<Option<Opened>, Problem>),
+    Folder(Option<&'static str>, fn(&Path, &Job) -> Found<Opened>),
     /// Depth in the photo of another line.
     Depth(DepthIn),
     /// Depth in a file beside a photo.
@@ -55,9 +61,9 @@ pub(crate) enum Reader {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DepthIn {
     /// In a JPEG.
-    pub(crate) jpeg: Option<fn(&jpeg::Extras) -> Option<Result<EmbeddedDepth, String>>>,
+    pub(crate) jpeg: Option<fn(&jpeg::Extras) -> FoundDepth>,
     /// In a HEIC.
-    pub(crate) heic: Option<fn(&HeifFile, &[u8]) -> Option<Result<EmbeddedDepth, String>>>,
+    pub(crate) heic: Option<fn(&HeifFile, &[u8]) -> FoundDepth>,
 }
 
 /// What writes a format.
@@ -101,7 +107,7 @@ pub struct Entry {
 
 /// Who reads and writes what: [`open`](fn@super::open) walks it from the top, so what is told by more stands higher. The
 /// README's table has the same lines; a test compares them.
-pub static TABLE: [Entry; 19] = [
+pub static TABLE: [Entry; 20] = [
     made("refocus", "photo: JPEG, PNG, TIFF, WebP", "save", "jpg").read(Reader::Files(&[
         jpeg::TYPE,
         still::PNG,
@@ -124,6 +130,10 @@ pub static TABLE: [Entry; 19] = [
         views::write,
     )
     .read(Reader::Folder(Some(views::INDEX_FILE), views::read)),
+    read(
+        "Middlebury stereo scene (`im0.png`, `disp0.pfm`, `calib.txt`)",
+        Reader::Folder(Some(middlebury::CALIBRATION), middlebury::read),
+    ),
     read("folder of views with other names", Reader::Folder(None, views::read_any)),
     made("quilt", "Looking Glass quilt", "quilt", "png").read(Reader::Within(quilt::read)),
     field("eslf", "ESLF lenslet picture", Keeps::Views, Some("png"), eslf::write).read(Reader::Within(eslf::read)),
@@ -196,22 +206,19 @@ pub(crate) fn is_index_file(path: &Path) -> bool {
 }
 
 /// What is in a folder, or `None` where it is of no format.
-pub(crate) fn read_folder(path: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
+pub(crate) fn read_folder(path: &Path, job: &Job) -> Found<Opened> {
     let open = |reader| if let Reader::Folder(_, open) = reader { open(path, job).transpose() } else { None };
     readers().find_map(open).transpose()
 }
 
 /// A light field in one file, or `None` where the file is an ordinary picture.
-pub(crate) fn read_within(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Option<LightFieldFile>, Problem> {
+pub(crate) fn read_within(bytes: &[u8], name: Option<&Path>, job: &Job) -> Found<LightFieldFile> {
     let open = |reader| if let Reader::Within(open) = reader { open(bytes, name, job).transpose() } else { None };
     readers().find_map(open).transpose()
 }
 
 /// The first depth that a line of the table finds in a photo's file. What is broken is told, and the next line looks.
-pub(crate) fn depth_in(
-    warnings: &mut Vec<String>,
-    read: impl Fn(DepthIn) -> Option<Result<EmbeddedDepth, String>>,
-) -> Option<EmbeddedDepth> {
+pub(crate) fn depth_in(warnings: &mut Vec<String>, read: impl Fn(DepthIn) -> FoundDepth) -> Option<EmbeddedDepth> {
     let found = readers().filter_map(|reader| if let Reader::Depth(depth) = reader { read(depth) } else { None });
     let mut told = |reason| warnings.push(format!("the depth map is left out — {reason}"));
     found.filter_map(|depth| depth.map_err(&mut told).ok()).next()

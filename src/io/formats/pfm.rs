@@ -30,10 +30,15 @@ pub fn read_pfm(path: &Path) -> Result<DisparityMap, OpenError> {
     read_up_to(path, MAX_FILE_BYTES).and_then(|bytes| disparity(parse_pfm(&bytes)?)).map_err(OpenError::at(Some(path)))
 }
 
-/// Reads a map that must have this size; a file that is too long for it is not read.
+/// Reads disparities that must have this size; a file that is too long for it is not read.
 pub(crate) fn read_sized(path: &Path, size: [u32; 2]) -> Result<DisparityMap, Problem> {
+    disparity(values_sized(path, size)?)
+}
+
+/// The same, whatever its values are.
+pub(super) fn values_sized(path: &Path, size: [u32; 2]) -> Result<Raster<f32>, Problem> {
     let most = u64::from(size[0]) * u64::from(size[1]) * 4 + MAX_HEADER_BYTES;
-    let map = disparity(parse_pfm(&read_up_to(path, most)?)?)?;
+    let map = parse_pfm(&read_up_to(path, most)?)?;
     if map.size() != size {
         let ([w, h], [want_w, want_h]) = (map.size(), size);
         return Err(Problem::damaged(FORMAT, format!("it has {w}×{h} values for views of {want_w}×{want_h} pixels")));
