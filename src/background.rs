@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use crate::field::ramp;
+use crate::field::{Raster, Size, ramp, sides};
 
 /// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
 /// them with the near side's.
@@ -19,7 +19,7 @@ const REACH: f32 = 0.14;
 /// - `rgb` and `disparity_px`: `[y, x]`; colours of any space whose means make sense
 pub struct Front {
     /// Width and height.
-    pub size: [usize; 2],
+    pub size: Size,
     /// Colours.
     pub rgb: Vec<[f32; 3]>,
     /// Disparity, pixels per view step.
@@ -38,14 +38,15 @@ pub type Cell = [f32; 5];
 
 /// Behind every place of a picture, `[y, x]`. A surface is behind another when it is farther by `apart_px`; `seen` is
 /// what is known of a place from elsewhere, of weight 0 where nothing is.
-pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell + Sync) -> Vec<Hidden> {
+pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell + Sync) -> Raster<Hidden> {
     let nearest = front.nearest();
     let edges = front.edges(&nearest, apart_px);
     let levels = pyramid(front.base(&nearest, apart_px), apart_px);
-    let [width, height] = front.size;
+    let [width, height] = sides(front.size);
     let reach = REACH * width.max(height) as f32;
-    let at = |i: usize| {
-        let (x, y, Edge { distance, far }) = (i % width, i / width, edges[i]);
+    Raster::par_from_fn(front.size, |x, y| {
+        let i = y * width + x;
+        let Edge { distance, far } = edges[i];
         let mut hidden = [0.0; 6];
         hidden[DISTANCE] = distance;
         if distance < reach {
@@ -53,8 +54,7 @@ pub fn behind(front: &Front, apart_px: f32, seen: impl Fn(usize, usize) -> Cell 
             hidden[..DISTANCE].copy_from_slice(&fill(&levels, [x, y], [nearest[i], farther], seen(x, y)));
         }
         hidden
-    };
-    (0..edges.len()).into_par_iter().with_min_len(width).map(at).collect()
+    })
 }
 
 /// The closest of a place's neighbours that is nearer than the place.
@@ -94,11 +94,6 @@ fn around([width, height]: [usize; 2], i: usize, reach: usize) -> impl Iterator<
     (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
 }
 
-struct Level {
-    size: [usize; 2],
-    cells: Vec<Cell>,
-}
-
 /// The edge that is nearest to a cell.
 #[derive(Clone, Copy)]
 struct Edge {
@@ -111,17 +106,17 @@ struct Edge {
 impl Front {
     /// Per cell: the disparity of the nearest surface that may have its colours in it.
     fn nearest(&self) -> Vec<f32> {
-        let of = |i: usize| around(self.size, i, MIXED).map(|j| self.disparity_px[j]).fold(f32::MIN, f32::max);
-        (0..self.disparity_px.len()).into_par_iter().with_min_len(self.size[0]).map(of).collect()
+        let of = |i: usize| around(sides(self.size), i, MIXED).map(|j| self.disparity_px[j]).fold(f32::MIN, f32::max);
+        (0..self.disparity_px.len()).into_par_iter().with_min_len(self.size[0] as usize).map(of).collect()
     }
 
     /// Per cell: the nearest edge. Distance runs inward only: over the near side, and across the far one no farther than
     /// colours are mixed.
     fn edges(&self, nearest: &[f32], behind: f32) -> Vec<Edge> {
-        let [width, height] = self.size;
+        let [width, height] = sides(self.size);
         let own_edge = |i: usize| {
             let own = self.disparity_px[i];
-            let far = around(self.size, i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
+            let far = around(sides(self.size), i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
             let is_edge = nearest[i] > own + behind || far < own - behind;
             Edge { distance: if is_edge { 0.0 } else { f32::MAX / 4.0 }, far }
         };
@@ -145,39 +140,36 @@ impl Front {
     }
 
     /// The finest level: all cells but those beside something nearer, whose colours may be mixed with it.
-    fn base(&self, nearest: &[f32], behind: f32) -> Level {
-        let cell = |i: usize| {
+    fn base(&self, nearest: &[f32], behind: f32) -> Raster<Cell> {
+        let width = self.size[0] as usize;
+        Raster::par_from_fn(self.size, |x, y| {
+            let i = y * width + x;
             let [r, g, b] = self.rgb[i];
             if nearest[i] > self.disparity_px[i] + behind { [0.0; 5] } else { [r, g, b, self.disparity_px[i], 1.0] }
-        };
-        Level { size: self.size, cells: (0..self.disparity_px.len()).into_par_iter().map(cell).collect() }
+        })
     }
 }
 
 /// Coarser and coarser levels, each cell the farthest of the surfaces under it.
-fn pyramid(base: Level, behind: f32) -> Vec<Level> {
+fn pyramid(base: Raster<Cell>, behind: f32) -> Vec<Raster<Cell>> {
     let mut levels = vec![base];
     while let Some(fine) = levels.last()
-        && fine.size[0].max(fine.size[1]) > 2
+        && fine.size().iter().any(|side| *side > 2)
     {
-        let size = fine.size.map(|s| s.div_ceil(2));
+        let size = fine.size().map(|side| side.div_ceil(2));
         // Farther apart, one surface may have more depth.
         let one = behind * (1.0 + levels.len() as f32);
-        let mut cells = Vec::with_capacity(size[0] * size[1]);
-        for y in 0..size[1] {
-            for x in 0..size[0] {
-                cells.push(farthest(fine, x, y, one));
-            }
-        }
-        levels.push(Level { size, cells });
+        let coarse = Raster::from_fn(size, |x, y| farthest(fine, x, y, one));
+        levels.push(coarse);
     }
     levels
 }
 
-fn farthest(fine: &Level, x: usize, y: usize, one: f32) -> Cell {
+fn farthest(fine: &Raster<Cell>, x: usize, y: usize, one: f32) -> Cell {
+    let [width, height] = fine.sides();
     let child = |dx: usize, dy: usize| {
         let (cx, cy) = (2 * x + dx, 2 * y + dy);
-        (cx < fine.size[0] && cy < fine.size[1]).then(|| fine.cells[cy * fine.size[0] + cx]).filter(|c| c[4] > 0.0)
+        (cx < width && cy < height).then(|| fine.at(cx, cy)).filter(|c| c[4] > 0.0)
     };
     let children = [child(0, 0), child(1, 0), child(0, 1), child(1, 1)];
     let depth = |c: &Cell| c[3] / c[4];
@@ -195,7 +187,7 @@ fn farthest(fine: &Level, x: usize, y: usize, one: f32) -> Cell {
 }
 
 /// What is behind a cell whose surface has the disparity `front`, and farther by about `behind` at least; times its share.
-fn fill(levels: &[Level], [x, y]: [usize; 2], [front, behind]: [f32; 2], seen: Cell) -> Cell {
+fn fill(levels: &[Raster<Cell>], [x, y]: [usize; 2], [front, behind]: [f32; 2], seen: Cell) -> Cell {
     let mut sum = [0.0; 5];
     let mut add = |cell: Cell| {
         let cover = cell[4].min(1.0);
@@ -215,8 +207,8 @@ fn fill(levels: &[Level], [x, y]: [usize; 2], [front, behind]: [f32; 2], seen: C
         let mut found = [0.0; 5];
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let at = [corner[0] as i32 + dx, corner[1] as i32 + dy];
-            let inside = |axis: usize| (at[axis].max(0) as usize).min(level.size[axis] - 1);
-            let cell = &level.cells[inside(1) * level.size[0] + inside(0)];
+            let inside = |axis: usize| (at[axis].max(0) as usize).min(level.sides()[axis] - 1);
+            let cell = level.at(inside(0), inside(1));
             if cell[4] <= 0.0 {
                 continue;
             }

@@ -8,7 +8,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use super::{BenchError, Options, Seconds, timed};
-use crate::field::ViewGrid;
+use crate::field::{ViewGrid, size_from};
 use crate::job::{Cancelled, Job};
 use crate::kernel::winograd::{Columns, VolumeChain};
 use crate::synth::lambertian::{fill_row, render_row};
@@ -169,8 +169,11 @@ fn map_row(maps: &Output, view: usize, y: usize) -> &[f32] {
 
 /// A picture with something in it everywhere.
 fn picture(size: [usize; 2]) -> Signed {
-    let colour = |v: &[f32]| Vec4::new(v[0], v[1], v[2], 0.0);
-    Signed { size, pixels: numbers(3 * size[0] * size[1]).chunks_exact(3).map(colour).collect() }
+    let numbers = numbers(3 * size[0] * size[1]);
+    Signed::from_fn(size_from(size), |x, y| {
+        let [r, g, b] = [0, 1, 2].map(|c| numbers[3 * (y * size[0] + x) + c]);
+        Vec4::new(r, g, b, 0.0)
+    })
 }
 
 /// Repeatable numbers in −1 … 1.

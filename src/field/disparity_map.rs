@@ -1,6 +1,6 @@
 //! Disparity of one picture, and depth that only orders.
 
-use super::{FieldError, Raster, check_finite};
+use super::{FieldError, Filter, Raster, Size, check_finite, nearest, resample};
 
 /// Disparity of one picture's pixels, in pixels per view step at the map's own width. Larger is nearer; every value is
 /// a number.
@@ -9,13 +9,13 @@ pub struct DisparityMap(Raster<f32>);
 
 impl DisparityMap {
     /// A map of `[width, height]` pixels; `disparity_px` holds width · height numbers, `[y, x]`.
-    pub fn new(size: [u32; 2], disparity_px: Vec<f32>) -> Result<Self, FieldError> {
+    pub fn new(size: Size, disparity_px: Vec<f32>) -> Result<Self, FieldError> {
         check_finite("the disparity map", &disparity_px)?;
         Raster::named("the disparity map", size, disparity_px).map(Self)
     }
 
     /// The same disparity everywhere; one that is no number counts as 0, a side of 0 pixels as 1.
-    pub fn constant(size: [u32; 2], disparity_px: f32) -> Self {
+    pub fn constant(size: Size, disparity_px: f32) -> Self {
         Self(Raster::filled(size, if disparity_px.is_finite() { disparity_px } else { 0.0 }))
     }
 
@@ -25,7 +25,7 @@ impl DisparityMap {
     }
 
     /// Width and height in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> Size {
         self.0.size()
     }
 
@@ -41,7 +41,7 @@ impl DisparityMap {
 
     /// One pixel.
     pub fn at(&self, x: u32, y: u32) -> f32 {
-        self.0.at(x, y)
+        self.0.at(x as usize, y as usize)
     }
 
     /// Least and greatest disparity.
@@ -49,14 +49,27 @@ impl DisparityMap {
         range(self.disparity_px())
     }
 
+    /// The map of a picture of another size. Shrinking takes the nearest values: means would invent depths.
+    ///
+    /// # Errors
+    /// Values beyond all measure.
+    pub fn resized(&self, size: Size) -> Result<Self, FieldError> {
+        let (from, scale) = (self.size(), self.scale_to(size));
+        let values = match from[0] >= size[0] {
+            true => nearest(self.disparity_px(), from, size),
+            false => resample::<1>(self.disparity_px(), from, size, Filter::Linear),
+        };
+        Self::new(size, values.into_iter().map(|d| d * scale).collect())
+    }
+
     /// What this map's disparities are multiplied by in a picture of another size.
-    pub fn scale_to(&self, size: [u32; 2]) -> f32 {
+    pub fn scale_to(&self, size: Size) -> f32 {
         disparity_scale(self.size(), size)
     }
 }
 
 /// What disparities in pixels of one size are multiplied by in another: the ratio of the widths.
-pub fn disparity_scale(from: [u32; 2], to: [u32; 2]) -> f32 {
+pub fn disparity_scale(from: Size, to: Size) -> f32 {
     to[0] as f32 / from[0] as f32
 }
 
@@ -77,7 +90,7 @@ pub struct RelativeDepth(Raster<f32>);
 
 impl RelativeDepth {
     /// A map of `[width, height]` pixels; `nearness` holds width · height values, `[y, x]`.
-    pub fn new(size: [u32; 2], nearness: Vec<f32>) -> Result<Self, FieldError> {
+    pub fn new(size: Size, nearness: Vec<f32>) -> Result<Self, FieldError> {
         Raster::named("the depth map", size, nearness).map(Self)
     }
 
@@ -87,7 +100,7 @@ impl RelativeDepth {
     }
 
     /// Width and height in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> Size {
         self.0.size()
     }
 

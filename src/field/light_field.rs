@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, View, ViewGrid, ViewIndex, check_len};
+use super::{FieldError, Size, View, ViewGrid, ViewIndex, check_len};
 
 /// A 4-D light field, in sRGB.
 ///
@@ -13,7 +13,7 @@ use super::{FieldError, View, ViewGrid, ViewIndex, check_len};
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightField {
     grid: ViewGrid,
-    size: [u32; 2],
+    size: Size,
     views: Vec<Arc<View>>,
 }
 
@@ -37,7 +37,7 @@ impl LightField {
     }
 
     /// Width and height of a view, in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> Size {
         self.size
     }
 

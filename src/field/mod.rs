@@ -24,6 +24,8 @@ mod photo;
 mod picture;
 mod raster;
 mod ray_depths;
+mod resample;
+mod size;
 mod tap;
 mod transfer;
 mod view;
@@ -32,11 +34,14 @@ pub use disparity_map::{DisparityMap, RelativeDepth, disparity_scale};
 pub use grid::{ViewGrid, ViewIndex, ViewOffset};
 pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
-pub use photo::{Metadata, Photo, PhotoPixels, fit_long_side};
+pub use photo::{Metadata, Photo, PhotoPixels};
 pub use picture::{Picture, Pixels, Samples};
 pub use raster::Raster;
 pub use ray_depths::RayDepths;
-pub use tap::{bilinear, ramp};
+pub use resample::{Filter, nearest, resample};
+pub(crate) use resample::{Taps, resample_rows};
+pub use size::{Size, fit_long_side, pixels, sides, size_from};
+pub use tap::{Mix, between, bilinear, corners, ramp};
 pub use transfer::Transfer;
 pub use view::View;
 
@@ -75,9 +80,9 @@ pub enum FieldError {
         /// Column of the odd view.
         u: usize,
         /// Width and height of the first view.
-        want: [u32; 2],
+        want: Size,
         /// Width and height of the odd view.
-        got: [u32; 2],
+        got: Size,
     },
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{FieldError, check_len};
+use super::{FieldError, Size, check_len};
 
 /// Pixels of a photo in its own colour space, RGBA, rows top to bottom, upright.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,7 +47,7 @@ pub struct Metadata {
 /// One photo.
 #[derive(Clone, Debug)]
 pub struct Photo {
-    size: [u32; 2],
+    size: Size,
     pixels: PhotoPixels,
     srgb8: Arc<[u8]>,
     metadata: Metadata,
@@ -56,15 +56,15 @@ pub struct Photo {
 
 impl Photo {
     /// A photo of `[width, height]` upright pixels. `srgb8` is its working copy, `[y, x, 4]`, alpha 255.
-    pub fn new(size: [u32; 2], pixels: PhotoPixels, srgb8: Arc<[u8]>, metadata: Metadata) -> Result<Self, FieldError> {
-        let want = size[0] as usize * size[1] as usize * 4;
+    pub fn new(size: Size, pixels: PhotoPixels, srgb8: Arc<[u8]>, metadata: Metadata) -> Result<Self, FieldError> {
+        let want = super::pixels(size) * 4;
         check_len("the photo", want, pixels.len())?;
         check_len("the photo's sRGB copy", want, srgb8.len())?;
         Ok(Self { size, pixels, srgb8, metadata, source: None })
     }
 
     /// A photo of 8-bit sRGB pixels without metadata.
-    pub fn from_srgb8(size: [u32; 2], rgba: Vec<u8>) -> Result<Self, FieldError> {
+    pub fn from_srgb8(size: Size, rgba: Vec<u8>) -> Result<Self, FieldError> {
         let rgba: Arc<[u8]> = rgba.into();
         let metadata = Metadata { orientation: 1, ..Metadata::default() };
         Self::new(size, PhotoPixels::Eight(Arc::clone(&rgba)), rgba, metadata)
@@ -78,7 +78,7 @@ impl Photo {
     }
 
     /// Width and height of the upright photo, in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> Size {
         self.size
     }
 
@@ -103,28 +103,9 @@ impl Photo {
     }
 }
 
-/// The size with the same shape whose longer side is at most `long_side`; never larger than `size`, never 0.
-pub fn fit_long_side(size: [u32; 2], long_side: u32) -> [u32; 2] {
-    let long = size[0].max(size[1]);
-    if long <= long_side {
-        return size;
-    }
-    size.map(|side| {
-        let scaled = f64::from(side) * f64::from(long_side) / f64::from(long);
-        (scaled.round() as u32).max(1)
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_shape_is_kept_and_nothing_is_enlarged() {
-        assert_eq!(fit_long_side([4032, 3024], 540), [540, 405]);
-        assert_eq!(fit_long_side([300, 200], 540), [300, 200]);
-        assert_eq!(fit_long_side([30_000, 1], 540), [540, 1]);
-    }
 
     #[test]
     fn a_buffer_of_the_wrong_length_is_refused() {

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
-use super::Transfer;
 use super::color::srgb8_from_linear;
+use super::{Size, Transfer, pixels};
 
 /// A picture in linear sRGB light.
 ///
@@ -12,16 +12,16 @@ use super::color::srgb8_from_linear;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height, in pixels.
-    pub size: [u32; 2],
+    pub size: Size,
     /// Pixels, rows top to bottom.
     pub rgb_linear: Vec<f32>,
 }
 
 impl Picture {
     /// A picture whose pixel `(x, y)` is `color(x, y)`, made by all cores.
-    pub fn from_fn(size: [u32; 2], color: impl Fn(u32, u32) -> [f32; 3] + Sync) -> Self {
+    pub fn from_fn(size: Size, color: impl Fn(u32, u32) -> [f32; 3] + Sync) -> Self {
         use rayon::prelude::*;
-        let mut rgb_linear = vec![0.0; size[0] as usize * size[1] as usize * 3];
+        let mut rgb_linear = vec![0.0; pixels(size) * 3];
         rgb_linear.par_chunks_mut((size[0] as usize * 3).max(1)).enumerate().for_each(|(y, row)| {
             for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
                 pixel.copy_from_slice(&color(x as u32, y as u32));
@@ -56,14 +56,14 @@ pub enum Samples {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pixels {
     /// Width and height.
-    pub size: [u32; 2],
+    pub size: Size,
     /// Red, green and blue of every pixel.
     pub samples: Samples,
 }
 
 impl Pixels {
     /// Stored values of linear light, `[y, x, 3]`.
-    pub fn from_linear(size: [u32; 2], rgb_linear: &[f32], bits: u8, transfer: &Transfer) -> Self {
+    pub fn from_linear(size: Size, rgb_linear: &[f32], bits: u8, transfer: &Transfer) -> Self {
         let mut samples = Samples::with_room(bits, rgb_linear.len());
         samples.push_linear(rgb_linear, transfer);
         Self { size, samples }

@@ -1,7 +1,7 @@
 //! The disparity of every ray.
 
 use super::disparity_map::range;
-use super::{DisparityMap, FieldError, Raster, ViewGrid, ViewIndex, check_finite, check_len};
+use super::{DisparityMap, FieldError, Raster, Size, ViewGrid, ViewIndex, check_finite, check_len, pixels};
 
 /// Disparity of every ray: pixels that a point moves per view step, not metres. Larger is nearer;
 /// every value is a number.
@@ -11,14 +11,14 @@ use super::{DisparityMap, FieldError, Raster, ViewGrid, ViewIndex, check_finite,
 #[derive(Clone, Debug, PartialEq)]
 pub struct RayDepths {
     grid: ViewGrid,
-    size: [u32; 2],
+    size: Size,
     disparity_px: Vec<f32>,
 }
 
 impl RayDepths {
     /// Ray depths of a grid of views of `[width, height]` pixels.
-    pub fn new(grid: ViewGrid, size: [u32; 2], disparity_px: Vec<f32>) -> Result<Self, FieldError> {
-        let plane = size[0] as usize * size[1] as usize;
+    pub fn new(grid: ViewGrid, size: Size, disparity_px: Vec<f32>) -> Result<Self, FieldError> {
+        let plane = pixels(size);
         check_len("the ray depths", grid.count() * plane, disparity_px.len())?;
         check_finite("the ray depths", &disparity_px)?;
         Ok(Self { grid, size, disparity_px })
@@ -30,7 +30,7 @@ impl RayDepths {
     }
 
     /// Width and height of one map, in pixels.
-    pub fn size(&self) -> [u32; 2] {
+    pub fn size(&self) -> Size {
         self.size
     }
 
@@ -41,7 +41,7 @@ impl RayDepths {
 
     /// The map of one view, `[y, x]`.
     pub fn view(&self, at: ViewIndex) -> &[f32] {
-        let plane = self.size[0] as usize * self.size[1] as usize;
+        let plane = pixels(self.size);
         let start = self.grid.layer_from_view(at) * plane;
         &self.disparity_px[start..start + plane]
     }

@@ -18,7 +18,7 @@ use sha2::{Digest, Sha256};
 use super::library::hex;
 use super::{Manifest, SynthParams};
 use crate::aside::NewFile;
-use crate::field::{DisparityMap, Photo};
+use crate::field::{DisparityMap, Photo, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
 const MAGIC: &[u8; 8] = b"PLENO\0\0\x02";
@@ -184,7 +184,7 @@ impl Entry {
         from.read_exact(&mut head)?;
         let number = |i: usize| u32::from_le_bytes([head[i], head[i + 1], head[i + 2], head[i + 3]]);
         let (size, checksum, bytes) = ([number(8), number(12)], number(16), number(20));
-        let pixels = size[0] as usize * size[1] as usize;
+        let pixels = pixels(size);
         if &head[..8] != MAGIC || !(1..=1 << 26).contains(&pixels) {
             return Err(damaged());
         }

@@ -2,9 +2,8 @@
 
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
-use super::resample::{Filter, resample};
 use super::{Channels, ModelError, ModelFile, SynthError};
-use crate::field::{DisparityMap, FieldError, View, ViewGrid};
+use crate::field::{DisparityMap, FieldError, Filter, Size, View, ViewGrid, disparity_scale, pixels, resample, sides};
 use crate::job::Job;
 
 /// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
@@ -22,21 +21,21 @@ pub(super) struct DepthNet {
 /// - `maps`: `[v, u, y, x]`, pixels per view step at width `size[0]`
 pub(super) struct NetDepths {
     pub(super) grid: ViewGrid,
-    pub(super) size: [usize; 2],
+    pub(super) size: Size,
     pub(super) maps: Vec<f32>,
 }
 
 impl NetDepths {
     /// The map of one view.
     pub(super) fn layer(&self, layer: usize) -> &[f32] {
-        let plane = self.size[0] * self.size[1];
+        let plane = pixels(self.size);
         &self.maps[layer * plane..(layer + 1) * plane]
     }
 
     /// The map of the reference view.
     pub(super) fn reference(&self) -> Result<DisparityMap, FieldError> {
         let layer = self.grid.layer_from_view(self.grid.reference());
-        DisparityMap::new(self.size.map(|side| side as u32), self.layer(layer).to_vec())
+        DisparityMap::new(self.size, self.layer(layer).to_vec())
     }
 }
 
@@ -77,7 +76,8 @@ impl DepthNet {
         let size = working_size(photo.size(), long_side, manifest.multiple_of);
         // As soft as the pictures that the trainer shows its nets: sharper ones cost 0.005 of rank correlation.
         let input = net_input(&Signed::resized(photo, size, Filter::Linear), &manifest.inputs);
-        let shape = [1, manifest.input_channels(), size[1], size[0]];
+        let [w, h] = sides(size);
+        let shape = [1, manifest.input_channels(), h, w];
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
         let unit = width_unit(photo.size(), size);
         Ok(NetDepths { grid: self.grid, size, maps: output.iter().map(|d| d * unit).collect() })
@@ -85,26 +85,26 @@ impl DepthNet {
 }
 
 /// The size at which a net sees a photo.
-fn working_size(photo: [u32; 2], long_side: u32, multiple_of: u32) -> [usize; 2] {
+fn working_size(photo: Size, long_side: u32, multiple_of: u32) -> Size {
     size_in_steps(photo, long_side, multiple_of * STEP_PX.div_ceil(multiple_of))
 }
 
 /// What turns the net's disparities into pixels of its picture's width: they are pixels of the picture without
 /// stretch, whose long side it keeps.
-fn width_unit(photo: [u32; 2], size: [usize; 2]) -> f32 {
+fn width_unit(photo: Size, size: Size) -> f32 {
     let long = |size: [f32; 2]| size[0].max(size[1]);
-    let [photo, size] = [photo.map(|side| side as f32), size.map(|side| side as f32)];
+    let [photo, size] = [photo, size].map(|size| size.map(|side| side as f32));
     size[0] / photo[0] * (long(photo) / long(size))
 }
 
 /// The channels that a net asks for, `[c, y, x]`.
 fn net_input(photo: &Signed, channels: &[Channels]) -> Vec<f32> {
-    let [w, h] = photo.size;
+    let [w, h] = photo.sides();
     let unit = |i: usize, n: usize| if n > 1 { 2.0 * i as f32 / (n - 1) as f32 - 1.0 } else { 0.0 };
     let mut input = Vec::new();
     for group in channels {
         match group {
-            Channels::Rgb => (0..3).for_each(|c| input.extend(photo.pixels.iter().map(|pixel| pixel[c]))),
+            Channels::Rgb => (0..3).for_each(|c| input.extend(photo.pixels().iter().map(|pixel| pixel[c]))),
             Channels::Yx => {
                 input.extend((0..w * h).map(|i| unit(i / w, h)));
                 input.extend((0..w * h).map(|i| unit(i % w, w)));
@@ -116,7 +116,7 @@ fn net_input(photo: &Signed, channels: &[Channels]) -> Vec<f32> {
 
 /// The fine maps' detail on the coarse maps' order: what the fine scale says blurred to the coarse one is replaced.
 fn with_order_of(fine: NetDepths, coarse: &NetDepths) -> NetDepths {
-    let ratio = fine.size[0] as f32 / coarse.size[0] as f32;
+    let ratio = disparity_scale(coarse.size, fine.size);
     let mut maps = Vec::with_capacity(fine.maps.len());
     for layer in 0..fine.grid.count() {
         let blurred = resample::<1>(fine.layer(layer), fine.size, coarse.size, Filter::Linear);
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn coordinates_run_from_minus_one_to_one_over_the_picture() {
-        let photo = Signed { size: [3, 2], pixels: (0..6).map(|i| Vec4::splat(i as f32)).collect() };
+        let photo = Signed::from_fn([3, 2], |x, y| Vec4::splat((y * 3 + x) as f32));
         let input = net_input(&photo, &[Channels::Yx, Channels::Rgb]);
         assert_eq!(input[..6], [-1.0, -1.0, -1.0, 1.0, 1.0, 1.0]);
         assert_eq!(input[6..12], [-1.0, 0.0, 1.0, -1.0, 0.0, 1.0]);

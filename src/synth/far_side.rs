@@ -4,12 +4,11 @@
 //! sees a few pixels, takes back a part of that. What is left of the near side's colours would show as a fringe beside it.
 
 use glam::Vec4;
-use rayon::prelude::*;
 
 use super::lift::STEP_PX;
 use super::picture::Signed;
 use crate::background::{self, Beside, Front, Hidden, SHARE};
-use crate::field::{RayDepths, ViewOffset, ramp};
+use crate::field::{Raster, RayDepths, ViewOffset, bilinear, ramp};
 
 /// A surface is behind another when it is farther by this much, px per view step.
 const APART_PX: f32 = 0.08;
@@ -18,21 +17,20 @@ const HIDDEN_PX: [f32; 2] = [0.5 * STEP_PX, 1.5 * STEP_PX];
 
 /// What the photo sees, and what goes on behind it.
 pub(super) struct FarSide {
-    size: [usize; 2],
     /// Each place's own surface, and what is nearer beside it.
-    front: Vec<(f32, Option<Beside>)>,
-    behind: Vec<Hidden>,
+    front: Raster<(f32, Option<Beside>)>,
+    behind: Raster<Hidden>,
 }
 
 impl FarSide {
     /// Of a photo with these ray depths.
     pub(super) fn new(photo: &Signed, depths: &RayDepths) -> Self {
-        let rgb = photo.pixels.iter().map(|p| p.truncate().to_array()).collect();
-        let front = Front { size: photo.size, rgb, disparity_px: depths.reference().to_vec() };
+        let (map, [width, _]) = (depths.reference(), photo.sides());
+        let rgb = photo.pixels().iter().map(|p| p.truncate().to_array()).collect();
+        let front = Front { size: photo.size(), rgb, disparity_px: map.to_vec() };
         let behind = background::behind(&front, APART_PX, |_, _| [0.0; 5]);
-        let map = &front.disparity_px;
-        let of = |i: usize| (map[i], Beside::of(map, photo.size, i, APART_PX));
-        Self { size: photo.size, front: (0..behind.len()).into_par_iter().map(of).collect(), behind }
+        let of = |i: usize| (map[i], Beside::of(map, photo.sides(), i, APART_PX));
+        Self { front: Raster::par_from_fn(photo.size(), |x, y| of(y * width + x)), behind }
     }
 
     /// The colour of a pixel of a view whose ray has disparity `d`: `own` where the photo sees its end.
@@ -40,25 +38,22 @@ impl FarSide {
     pub(super) fn colour(&self, own: Vec4, [x, y]: [usize; 2], from: ViewOffset, d: f32) -> Vec4 {
         let [x, y] = [x as f32 + from.du * d, y as f32 + from.dv * d];
         let inside = |at: f32, side: usize| (at.round().max(0.0) as usize).min(side - 1);
-        let (front_px, beside) = self.front[inside(y, self.size[1]) * self.size[0] + inside(x, self.size[0])];
+        let [width, height] = self.front.sides();
+        let (front_px, beside) = self.front.at(inside(x, width), inside(y, height));
         let hides = |surface_px: f32| ramp(HIDDEN_PX[0], HIDDEN_PX[1], surface_px - d);
         let bare = |beside: Beside| hides(beside.disparity_px) * beside.bare(d, [from.du, from.dv]);
         let unseen = hides(front_px).max(beside.map_or(0.0, bare));
         if unseen <= 0.0 {
             return own;
         }
-        let [r, g, b, share] = self.tap(x, y).to_array();
+        let cell = |i: usize| {
+            let cell = &self.behind.pixels()[i];
+            // Colour times share, and share.
+            [cell[0], cell[1], cell[2], cell[SHARE]]
+        };
+        let [r, g, b, share] = bilinear(self.behind.sides(), x, y, cell);
         let known = unseen * share.min(1.0);
         own + (Vec4::new(r, g, b, 0.0) / share.max(1e-6) - own) * known
-    }
-
-    /// Colour times share, and share, between pixels.
-    fn tap(&self, x: f32, y: f32) -> Vec4 {
-        let at = |i: usize| {
-            let cell = &self.behind[i];
-            Vec4::new(cell[0], cell[1], cell[2], cell[SHARE])
-        };
-        crate::field::bilinear(self.size, x, y, at)
     }
 }
 
@@ -77,7 +72,7 @@ mod tests {
         let pixels = (0..3000).map(|i| if inside(i) { red } else { green }).collect();
         let map = (0..3000).map(|i| if inside(i) { 1.0 } else { -1.0 }).collect();
         let depths = lift::ray_depths(&DisparityMap::new(size, map).unwrap(), ViewGrid::PAPER);
-        let far = FarSide::new(&Signed { size: [60, 50], pixels }, &depths);
+        let far = FarSide::new(&Signed::new([60, 50], pixels).unwrap(), &depths);
         let one_left = ViewOffset { du: -1.0, dv: 0.0 };
         for (place, disparity, own, want) in [
             // Inside the square and beside its edge; a ray that ends on it; one that ends on the ground.

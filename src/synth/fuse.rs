@@ -1,8 +1,7 @@
 //! The depth that a phone measured together with the depth net's.
 
-use super::resample::{Filter, resample};
 use super::{SynthError, upsample};
-use crate::field::{DisparityMap, View};
+use crate::field::{DisparityMap, Filter, View, resample};
 use crate::job::Job;
 
 /// Least correlation at which the net may set the phone's scale.
@@ -16,8 +15,7 @@ const AGREES: f32 = 0.2;
 /// # Errors
 /// Cancelled; values beyond all measure.
 pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
-    let size = net.size().map(|side| side as usize);
-    let phone_small = resample::<1>(phone.disparity_px(), phone.size().map(|side| side as usize), size, Filter::Linear);
+    let phone_small = resample::<1>(phone.disparity_px(), phone.size(), net.size(), Filter::Linear);
     let (gain, shift) = affine_fit(&phone_small, net.disparity_px());
     let ratio = net.scale_to(phone.size());
     let disparity_px = phone.disparity_px().iter().map(|d| (gain * d + shift) * ratio).collect();
@@ -27,8 +25,7 @@ pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -
 /// How far the depth net and another map of the same picture agree on what is near: their correlation, −1 … 1, at the
 /// net's size.
 pub fn agreement(net: &DisparityMap, other: &DisparityMap) -> f32 {
-    let size = |map: &DisparityMap| map.size().map(|side| side as usize);
-    let other = resample::<1>(other.disparity_px(), size(other), size(net), Filter::Linear);
+    let other = resample::<1>(other.disparity_px(), other.size(), net.size(), Filter::Linear);
     Moments::of(&other, net.disparity_px()).agreement()
 }
 

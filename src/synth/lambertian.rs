@@ -45,12 +45,12 @@ pub fn fill_row(
 /// # Shapes
 /// - `disparity_px`: `[y, x]` of the photo's size
 pub fn render_view(photo: &Signed, disparity_px: &[f32], from: ViewOffset) -> Result<View, FieldError> {
-    let [w, h] = photo.size;
+    let [w, h] = photo.sides();
     let mut rgba = vec![255; w * h * 4];
     for (y, (row, depths)) in rgba.chunks_exact_mut(w * 4).zip(disparity_px.chunks_exact(w)).enumerate() {
         render_row(photo, depths, [0, y], from, |x, colour| row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour)));
     }
-    View::new(photo.size.map(|side| side as u32), rgba)
+    View::new(photo.size(), rgba)
 }
 
 /// 8-bit colour of a net's colour.

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::field::{DisparityMap, RayDepths, ViewGrid, ViewOffset};
+use crate::field::{DisparityMap, RayDepths, ViewGrid, ViewOffset, between, corners};
 use crate::job::{Cancelled, Job, Stage};
 
 /// A difference between neighbours beyond which they belong to different surfaces, in px per view step.
@@ -69,19 +69,18 @@ impl<'a> Map<'a> {
 
     /// Disparity between pixels: bilinear on a surface, the nearest pixel's where an edge runs between them.
     fn tap(&self, x: f32, y: f32) -> f32 {
-        let (x, y) = (x.clamp(0.0, (self.w - 1) as f32), y.clamp(0.0, (self.h - 1) as f32));
-        let (x0, y0) = (x as usize, y as usize);
-        let (x1, y1) = ((x0 + 1).min(self.w - 1), (y0 + 1).min(self.h - 1));
-        let (top, bottom) = (&self.d[y0 * self.w..], &self.d[y1 * self.w..]);
-        let (a, b, c, d) = (top[x0], top[x1], bottom[x0], bottom[x1]);
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let (corners, shares) = corners([self.w, self.h], x, y);
+        let [a, b, c, d] = corners.map(|i| self.d[i]);
         if a.max(b).max(c.max(d)) - a.min(b).min(c.min(d)) > STEP_PX {
-            let row = if fy < 0.5 { (a, b) } else { (c, d) };
-            return if fx < 0.5 { row.0 } else { row.1 };
+            let [left, up] = shares.map(|share| share < 0.5);
+            return match (left, up) {
+                (true, true) => a,
+                (false, true) => b,
+                (true, false) => c,
+                (false, false) => d,
+            };
         }
-        let above = a + (b - a) * fx;
-        let below = c + (d - c) * fx;
-        above + (below - above) * fy
+        between([a, b, c, d], shares)
     }
 }
 

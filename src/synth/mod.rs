@@ -25,7 +25,6 @@ mod params;
 mod picture;
 mod pipeline;
 mod relative;
-mod resample;
 mod speckles;
 pub mod sweep;
 pub mod tract;

@@ -12,7 +12,7 @@ use super::lambertian::{encode, fill_row, render_row};
 use super::net::Net;
 use super::picture::Signed;
 use super::{ModelError, ModelFile, SynthError};
-use crate::field::{RayDepths, View, ViewGrid};
+use crate::field::{RayDepths, Size, View, ViewGrid, bilinear, pixels, sides};
 use crate::job::{Cancelled, Job, Progress, Stage};
 use crate::kernel::winograd::{Columns, Rows, VolumeChain};
 
@@ -33,7 +33,7 @@ pub(super) struct OcclusionNet {
 /// # Shapes
 /// - `rgb`: `[v, u, c, y, x]`
 pub(super) struct Residuals {
-    size: [usize; 2],
+    size: Size,
     rgb: Vec<i16>,
 }
 
@@ -67,9 +67,9 @@ impl OcclusionNet {
         if let Some(chain) = self.net.volume_chain() {
             return Ok(row_by_row(chain, photo, depths, job)?);
         }
-        let [w, h] = photo.size;
+        let [w, h] = photo.sides();
         let strips = Strips::new(h, rows_that_fit(w, depths.grid()));
-        let mut out = Residuals { size: photo.size, rgb: vec![0; depths.grid().count() * 3 * w * h] };
+        let mut out = Residuals { size: photo.size(), rgb: vec![0; depths.grid().count() * 3 * w * h] };
         for (done, strip) in strips.iter().enumerate() {
             job.advance(Stage::Occlusion, done as u32, strips.count() as u32)?;
             let input = strip_input(photo, depths, strip.first, strips.rows);
@@ -84,8 +84,8 @@ impl OcclusionNet {
 
 /// Residuals of a net that takes its input row by row.
 fn row_by_row(chain: &VolumeChain, photo: &Signed, depths: &RayDepths, job: &Job) -> Result<Residuals, Cancelled> {
-    let ([w, h], grid) = (photo.size, depths.grid());
-    let mut out = Residuals { size: photo.size, rgb: vec![0; grid.count() * 3 * w * h] };
+    let ([w, h], grid) = (photo.sides(), depths.grid());
+    let mut out = Residuals { size: photo.size(), rgb: vec![0; grid.count() * 3 * w * h] };
     let fill = |at: Columns, rows: &mut [f32], step: usize| {
         let view = grid.view_from_layer(at.view);
         let disparity_px = &depths.view(view)[at.y * w..][at.x.clone()];
@@ -147,7 +147,7 @@ impl Strips {
 
 /// The net's input for rows `first .. first + rows`: Lambertian colours and disparity, `[c, v, u, y, x]`.
 fn strip_input(photo: &Signed, depths: &RayDepths, first: usize, rows: usize) -> Vec<f32> {
-    let (w, grid) = (photo.size[0], depths.grid());
+    let ([w, _], grid) = (photo.sides(), depths.grid());
     let plane = rows * w;
     let mut input = vec![0.0; 4 * grid.count() * plane];
     let (red, rest) = input.split_at_mut(grid.count() * plane);
@@ -167,7 +167,7 @@ fn strip_input(photo: &Signed, depths: &RayDepths, first: usize, rows: usize) ->
 impl Residuals {
     /// Copies the rows of a strip's answer, `[c, v, u, y, x]`, that count.
     fn keep(&mut self, residual: &[f32], rows: usize, strip: &Strip) {
-        let [w, h] = self.size;
+        let [w, h] = sides(self.size);
         let views = self.rgb.len() / (3 * w * h);
         self.rgb.par_chunks_exact_mut(w * h).enumerate().for_each(|(plane, out)| {
             let (view, c) = (plane / 3, plane % 3);
@@ -180,7 +180,7 @@ impl Residuals {
 
     /// Copies finished rows.
     fn keep_rows(&mut self, rows: &Rows) {
-        let [w, h] = self.size;
+        let [w, h] = sides(self.size);
         self.rgb.par_chunks_exact_mut(w * h).enumerate().for_each(|(plane, out)| {
             let (view, c) = (plane / 3, plane % 3);
             for y in rows.y.clone() {
@@ -190,27 +190,11 @@ impl Residuals {
         });
     }
 
-    /// The residual of one view at a pixel of its own size.
-    fn at(&self, layer: usize, x: usize, y: usize) -> Vec4 {
-        let [w, h] = self.size;
-        let channel = |c: usize| f32::from(self.rgb[((layer * 3 + c) * h + y) * w + x]) / UNIT;
-        Vec4::new(channel(0), channel(1), channel(2), 0.0)
-    }
-
-    /// The residual of one view between pixels of its own size: clamped, bilinear.
-    fn tap(&self, layer: usize, x: f32, y: f32) -> Vec4 {
-        let [w, h] = self.size;
-        let (x, y) = (x.clamp(0.0, (w - 1) as f32), y.clamp(0.0, (h - 1) as f32));
-        let (x0, y0) = (x as usize, y as usize);
-        let (x1, y1) = ((x0 + 1).min(w - 1), (y0 + 1).min(h - 1));
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let channel = |c: usize| {
-            let plane = &self.rgb[(layer * 3 + c) * w * h..][..w * h];
-            let at = |x: usize, y: usize| f32::from(plane[y * w + x]) / UNIT;
-            let above = at(x0, y0) + (at(x1, y0) - at(x0, y0)) * fx;
-            let below = at(x0, y1) + (at(x1, y1) - at(x0, y1)) * fx;
-            above + (below - above) * fy
-        };
+    /// The residual of one view at its `i`-th pixel.
+    #[inline]
+    fn at(&self, layer: usize, i: usize) -> Vec4 {
+        let plane = pixels(self.size);
+        let channel = |c: usize| f32::from(self.rgb[(layer * 3 + c) * plane + i]) / UNIT;
         Vec4::new(channel(0), channel(1), channel(2), 0.0)
     }
 
@@ -223,7 +207,7 @@ impl Residuals {
         depths: &RayDepths,
         layer: usize,
     ) -> Result<View, SynthError> {
-        let [w, h] = photo.size;
+        let [w, h] = photo.sides();
         let at = depths.grid().view_from_layer(layer);
         let (rx, ry) = (self.size[0] as f32 / w as f32, self.size[1] as f32 / h as f32);
         let mut rgba = vec![255; w * h * 4];
@@ -231,9 +215,9 @@ impl Residuals {
             let sy = (y as f32 + 0.5) * ry - 0.5;
             let from = depths.grid().offset(at);
             render_row(photo, d, [0, y], from, |x, colour| {
-                let residual = match self.size == photo.size {
-                    true => self.at(layer, x, y),
-                    false => self.tap(layer, (x as f32 + 0.5) * rx - 0.5, sy),
+                let residual = match self.size == photo.size() {
+                    true => self.at(layer, y * w + x),
+                    false => bilinear(sides(self.size), (x as f32 + 0.5) * rx - 0.5, sy, |i| self.at(layer, i)),
                 };
                 let colour = far.colour(colour + residual, [x, y], from, d[x]);
                 row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour));

@@ -6,9 +6,8 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use super::SynthError;
-use super::resample::{Filter, resample, resample_rows};
 use crate::field::color::{linear_from_srgb8, signed_from_u8, srgb_from_linear, srgb8_from_linear};
-use crate::field::{Photo, View, fit_long_side};
+use crate::field::{Filter, Photo, Raster, Size, View, fit_long_side, resample, resample_rows, sides};
 use crate::job::{Cancelled, Job};
 
 /// The reference view: the photo, its longer side at most `long_side`, light averaged as light.
@@ -20,7 +19,7 @@ pub fn reference_view(photo: &Photo, long_side: u32, job: &Job) -> Result<View, 
     if target == photo.size() {
         return Ok(View::new(target, photo.srgb8().to_vec())?);
     }
-    let light = shrink(photo, target.map(|side| side as usize), job)?;
+    let light = shrink(photo, target, job)?;
     let encode =
         |pixel: &[f32]| [srgb8_from_linear(pixel[0]), srgb8_from_linear(pixel[1]), srgb8_from_linear(pixel[2]), 255];
     let rgba: Vec<[u8; 4]> = light.par_chunks_exact(3).map(encode).collect();
@@ -28,10 +27,10 @@ pub fn reference_view(photo: &Photo, long_side: u32, job: &Job) -> Result<View, 
 }
 
 /// Linear light of the photo at another size. Large photos take a cheap step to twice the size first.
-fn shrink(photo: &Photo, target: [usize; 2], job: &Job) -> Result<Vec<f32>, Cancelled> {
-    let source = photo.size().map(|side| side as usize);
+fn shrink(photo: &Photo, target: Size, job: &Job) -> Result<Vec<f32>, Cancelled> {
+    let source = photo.size();
     let rows = |y: usize, buffer: &mut [f32]| {
-        light_row(photo.srgb8(), source[0], y, buffer);
+        light_row(photo.srgb8(), source[0] as usize, y, buffer);
         job.cancel.check()
     };
     let half = target.map(|side| side * 2);
@@ -51,56 +50,35 @@ fn light_row(rgba: &[u8], width: usize, y: usize, buffer: &mut [f32]) {
 
 /// The size nearest to a photo's shape at a long side whose two sides are multiples of `step`. A picture stretched by a
 /// few per cent is no other picture to a net; rows that repeat the edge are.
-pub(super) fn size_in_steps(photo: [u32; 2], long_side: u32, step: u32) -> [usize; 2] {
-    fit_long_side(photo, long_side).map(|side| ((side + step / 2) / step).max(1) * step).map(|side| side as usize)
+pub(super) fn size_in_steps(photo: Size, long_side: u32, step: u32) -> Size {
+    fit_long_side(photo, long_side).map(|side| ((side + step / 2) / step).max(1) * step)
 }
 
-/// A view's pixels as the nets see them, sRGB-encoded in −1 … 1, ready for bilinear taps.
-///
-/// # Shapes
-/// - `pixels`: `[y, x]` of (r, g, b, 0)
-#[derive(Clone, Debug)]
-pub struct Signed {
-    /// Width and height.
-    pub size: [usize; 2],
-    /// `[y, x]`.
-    pub pixels: Vec<Vec4>,
-}
+/// A view's pixels as the nets see them, sRGB-encoded in −1 … 1: (r, g, b, 0).
+pub type Signed = Raster<Vec4>;
 
 impl Signed {
     /// From 8-bit pixels.
     pub fn from_view(view: &View) -> Self {
-        let pixel = |p: &[u8]| Vec4::new(signed_from_u8(p[0]), signed_from_u8(p[1]), signed_from_u8(p[2]), 0.0);
-        Self { size: view.size().map(|side| side as usize), pixels: view.rgba().chunks_exact(4).map(pixel).collect() }
+        view.map(|[r, g, b, _]| Vec4::new(signed_from_u8(r), signed_from_u8(g), signed_from_u8(b), 0.0))
     }
 
     /// The same picture at another size, light averaged as light.
-    pub(crate) fn resized(view: &View, target: [usize; 2], filter: Filter) -> Self {
-        let source = view.size().map(|side| side as usize);
+    pub(crate) fn resized(view: &View, target: Size, filter: Filter) -> Self {
+        let source = view.size();
         if source == target {
             return Self::from_view(view);
         }
         let Ok(light) = resample_rows::<3, Infallible>(source, target, filter, |y, buffer| {
-            light_row(view.rgba(), source[0], y, buffer);
+            light_row(view.rgba(), source[0] as usize, y, buffer);
             Ok(())
         });
         let signed = |v: f32| srgb_from_linear(v) * 2.0 - 1.0;
-        let pixel = |p: &[f32]| Vec4::new(signed(p[0]), signed(p[1]), signed(p[2]), 0.0);
-        Self { size: target, pixels: light.chunks_exact(3).map(pixel).collect() }
-    }
-
-    /// The colour at a place between pixels: coordinates clamped to the picture, then bilinear.
-    #[inline]
-    pub fn tap(&self, x: f32, y: f32) -> Vec4 {
-        let [w, h] = self.size;
-        let (x, y) = (x.clamp(0.0, (w - 1) as f32), y.clamp(0.0, (h - 1) as f32));
-        let (x0, y0) = (x as usize, y as usize);
-        let (x1, y1) = ((x0 + 1).min(w - 1), (y0 + 1).min(h - 1));
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let (top, bottom) = (&self.pixels[y0 * w..][..w], &self.pixels[y1 * w..][..w]);
-        let above = top[x0] + (top[x1] - top[x0]) * fx;
-        let below = bottom[x0] + (bottom[x1] - bottom[x0]) * fx;
-        above + (below - above) * fy
+        let [w, _] = sides(target);
+        Self::from_fn(target, |x, y| {
+            let [r, g, b] = [0, 1, 2].map(|c| signed(light[(y * w + x) * 3 + c]));
+            Vec4::new(r, g, b, 0.0)
+        })
     }
 }
 

@@ -10,13 +10,13 @@ use super::far_side::FarSide;
 use super::occlusion::OcclusionNet;
 use super::picture::{Signed, reference_view};
 use super::relative::RelativeNet;
-use super::resample::{Filter, nearest, resample};
 use super::{
     DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task,
 };
 use super::{fuse, lambertian, lift, memory, tract, upsample};
 use crate::field::{
-    DisparityMap, FieldError, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex, disparity_scale, fit_long_side,
+    DisparityMap, Filter, LightField, Photo, RayDepths, Size, View, ViewGrid, ViewIndex, disparity_scale,
+    fit_long_side, nearest, pixels, resample,
 };
 use crate::job::{Job, Stage};
 
@@ -156,7 +156,7 @@ impl Synthesizer {
         job: &Job,
     ) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
         if let Some(map) = &params.disparity {
-            return Ok((at_size(map, reference.size())?, None));
+            return Ok((map.resized(reference.size())?, None));
         }
         let threads = params.threads;
         let map = match (&params.source, &params.phone) {
@@ -230,7 +230,7 @@ pub fn synthesize_from_map(
     let (field, depths) = pool.install(|| -> Result<_, SynthError> {
         job.advance(Stage::Depth, 0, 1)?;
         let reference = Arc::new(reference_view(photo, params.long_side, job)?);
-        let depths = Arc::new(lift::lifted(&at_size(map, reference.size())?, ViewGrid::PAPER, job)?);
+        let depths = Arc::new(lift::lifted(&map.resized(reference.size())?, ViewGrid::PAPER, job)?);
         job.sink.depths(&depths);
         let views = lambertian_views(&reference, &Signed::from_view(&reference), &depths, job)?;
         Ok((Arc::new(LightField::new(ViewGrid::PAPER, views)?), depths))
@@ -240,29 +240,17 @@ pub fn synthesize_from_map(
 
 /// The net's own maps at the size of the views; the reference view's is the refined one.
 fn all_maps(net: &NetDepths, refined: DisparityMap) -> Result<RayDepths, SynthError> {
-    let target = refined.size().map(|side| side as usize);
-    let ratio = disparity_scale(net.size.map(|side| side as u32), refined.size());
+    let ratio = disparity_scale(net.size, refined.size());
     let own = net.grid.layer_from_view(net.grid.reference());
     let layer = |layer: usize| match layer == own {
         true => refined.disparity_px().to_vec(),
         false => {
-            let map = resample::<1>(net.layer(layer), net.size, target, Filter::Linear);
+            let map = resample::<1>(net.layer(layer), net.size, refined.size(), Filter::Linear);
             map.into_iter().map(|d| d * ratio).collect()
         }
     };
     let maps: Vec<f32> = (0..net.grid.count()).into_par_iter().flat_map_iter(layer).collect();
     Ok(RayDepths::new(net.grid, refined.size(), maps)?)
-}
-
-/// A map that was given, at the size of the views. Shrinking takes the nearest values: averages would invent depths.
-fn at_size(map: &DisparityMap, size: [u32; 2]) -> Result<DisparityMap, FieldError> {
-    let (from, to) = (map.size().map(|s| s as usize), size.map(|s| s as usize));
-    let ratio = map.scale_to(size);
-    let values = match from[0] >= to[0] {
-        true => nearest(map.disparity_px(), from, to),
-        false => resample::<1>(map.disparity_px(), from, to, Filter::Linear),
-    };
-    DisparityMap::new(size, values.into_iter().map(|d| d * ratio).collect())
 }
 
 /// All Lambertian views in `[v, u]` order; the sink hears of them from the middle outward.
@@ -306,15 +294,15 @@ fn correct(
 }
 
 /// Photo and ray depths at the size at which the occlusion net works.
-fn shrunk(reference: &View, depths: &RayDepths, size: [u32; 2]) -> Result<(Signed, RayDepths), SynthError> {
-    let (from, to) = (depths.size().map(|s| s as usize), size.map(|s| s as usize));
-    let ratio = disparity_scale(depths.size(), size);
+fn shrunk(reference: &View, depths: &RayDepths, size: Size) -> Result<(Signed, RayDepths), SynthError> {
+    let from = depths.size();
+    let ratio = disparity_scale(from, size);
     let maps: Vec<f32> = depths
         .disparity_px()
-        .par_chunks_exact(from[0] * from[1])
-        .flat_map_iter(|map| nearest(map, from, to).into_iter().map(|d| d * ratio))
+        .par_chunks_exact(pixels(from))
+        .flat_map_iter(|map| nearest(map, from, size).into_iter().map(|d| d * ratio))
         .collect();
-    Ok((Signed::resized(reference, to, Filter::Lanczos3), RayDepths::new(depths.grid(), size, maps)?))
+    Ok((Signed::resized(reference, size, Filter::Lanczos3), RayDepths::new(depths.grid(), size, maps)?))
 }
 
 /// Makes all views in parallel, a few at a time from the middle outward, and tells the sink of each.

@@ -2,9 +2,8 @@
 
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
-use super::resample::Filter;
 use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, upsample};
-use crate::field::{DisparityMap, FieldError, RelativeDepth, View};
+use crate::field::{DisparityMap, FieldError, Filter, RelativeDepth, Size, View, sides};
 use crate::job::Job;
 
 /// A net of somebody else: photo → relative depth.
@@ -27,9 +26,10 @@ impl RelativeNet {
         let manifest = self.net.manifest();
         let size = working_size(manifest, photo.size());
         let input = relative_input(manifest, &Signed::resized(photo, size, Filter::Lanczos3));
+        let [w, h] = sides(size);
         let shape = match manifest.relative.layout {
-            Layout::Nchw => [1, 3, size[1], size[0]],
-            Layout::Nhwc => [1, size[1], size[0], 3],
+            Layout::Nchw => [1, 3, h, w],
+            Layout::Nhwc => [1, h, w, 3],
         };
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
         let [w, h] = self.net.map_size(&output)?;
@@ -42,10 +42,10 @@ impl RelativeNet {
 }
 
 /// The input's size: fixed by the manifest, or the photo's shape at the working long side.
-fn working_size(manifest: &Manifest, photo: [u32; 2]) -> [usize; 2] {
+fn working_size(manifest: &Manifest, photo: Size) -> Size {
     let fixed = manifest.relative.input_size;
     if fixed.iter().all(|side| *side > 0) {
-        return fixed.map(|side| side as usize);
+        return fixed;
     }
     let side = manifest.working_long_side.as_slice()[0];
     size_in_steps(photo, side, manifest.multiple_of)
@@ -59,8 +59,8 @@ fn relative_input(manifest: &Manifest, photo: &Signed) -> Vec<f32> {
         ((pixel[source] + 1.0) / 2.0 - rules.mean[c]) / rules.std[c]
     };
     match rules.layout {
-        Layout::Nchw => (0..3).flat_map(|c| photo.pixels.iter().map(move |pixel| value(pixel, c))).collect(),
-        Layout::Nhwc => photo.pixels.iter().flat_map(|pixel| (0..3).map(move |c| value(pixel, c))).collect(),
+        Layout::Nchw => (0..3).flat_map(|c| photo.pixels().iter().map(move |pixel| value(pixel, c))).collect(),
+        Layout::Nhwc => photo.pixels().iter().flat_map(|pixel| (0..3).map(move |c| value(pixel, c))).collect(),
     }
 }
 

@@ -8,10 +8,11 @@ use glam::{Vec3, Vec4Swizzles};
 use rayon::prelude::*;
 
 use super::picture::Signed;
-use super::resample::Filter;
 use super::upsample::{self, EdgeAware};
 use super::{SynthError, lift};
-use crate::field::{DisparityMap, LightField, RayDepths, ViewIndex, ViewOffset, fit_long_side};
+use crate::field::{
+    DisparityMap, Filter, LightField, RayDepths, Size, ViewIndex, ViewOffset, disparity_scale, fit_long_side, sides,
+};
 use crate::job::{Cancel, Cancelled, Job, Stage};
 
 /// Long side of the sweep that finds the range.
@@ -48,20 +49,20 @@ pub fn ray_depths(field: &LightField, job: &Job) -> Result<RayDepths, SynthError
 pub fn reference_map(field: &LightField, job: &Job) -> Result<DisparityMap, SynthError> {
     let full = field.size();
     let coarse = Sweep::new(field, fit_long_side(full, COARSE_LONG_SIDE));
-    let widest = WIDEST_SHARE * coarse.size[0].max(coarse.size[1]) as f32;
+    let [w, h] = coarse.reference.size();
+    let widest = WIDEST_SHARE * w.max(h) as f32;
     let found = coarse.run([-widest, widest], job)?;
     let fine = Sweep::new(field, fit_long_side(full, FINE_LONG_SIDE));
-    let ratio = fine.size[0] as f32 / coarse.size[0] as f32;
+    let ratio = disparity_scale([w, h], fine.reference.size());
     let margin = 2.0 * coarse.step();
     let [lo, hi] = found.range();
     let found = fine.run([(lo - margin) * ratio, (hi + margin) * ratio], job)?;
-    let map = DisparityMap::new(fine.size.map(|side| side as u32), found.disparity_px)?;
+    let map = DisparityMap::new(fine.reference.size(), found.disparity_px)?;
     Ok(if map.size() == full { map } else { upsample::to_guide(&map, field.reference(), job)? })
 }
 
 /// Some views of a light field at one size, with the reference view.
 struct Sweep {
-    size: [usize; 2],
     reference: Signed,
     others: Vec<(ViewOffset, Signed)>,
     edges: EdgeAware,
@@ -82,8 +83,8 @@ fn some_of(n: usize) -> Vec<usize> {
 }
 
 impl Sweep {
-    fn new(field: &LightField, size: [u32; 2]) -> Self {
-        let (grid, size) = (field.grid(), size.map(|side| side as usize));
+    fn new(field: &LightField, size: Size) -> Self {
+        let grid = field.grid();
         let columns = some_of(grid.cols());
         let chosen = some_of(grid.rows()).into_iter().flat_map(|v| columns.iter().map(move |u| v * grid.cols() + u));
         let chosen: Vec<_> =
@@ -91,9 +92,9 @@ impl Sweep {
         let reference = Signed::resized(field.reference(), size, Filter::Lanczos3);
         let view = |at: &ViewIndex| balanced(Signed::resized(field.view(*at), size, Filter::Lanczos3), &reference);
         let others = chosen.par_iter().map(|at| (grid.offset(*at), view(at))).collect();
-        let difference = |a: usize, b: usize| (reference.pixels[a] - reference.pixels[b]).abs().element_sum() / 6.0;
-        let edges = EdgeAware::new(size, REACH_SHARE * size[0].max(size[1]) as f32, difference);
-        Self { size, reference, others, edges }
+        let difference = |a: usize, b: usize| (reference.pixels()[a] - reference.pixels()[b]).abs().element_sum() / 6.0;
+        let edges = EdgeAware::new(sides(size), REACH_SHARE * size[0].max(size[1]) as f32, difference);
+        Self { reference, others, edges }
     }
 
     /// Disparity between two planes.
@@ -119,7 +120,7 @@ impl Sweep {
 
     /// How badly the views agree with the reference view at a disparity, averaged over a window.
     fn cost(&self, d: f32, cancel: &Cancel) -> Result<Vec<f32>, Cancelled> {
-        let [w, h] = self.size;
+        let [w, h] = self.reference.sides();
         let mut cost = Vec::with_capacity(w * h);
         let mut halves = vec![[0.0f32; 4]; w];
         for y in 0..h {
@@ -131,7 +132,7 @@ impl Sweep {
                 for (x, sums) in halves.iter_mut().enumerate() {
                     // view[y, x] = reference[y + v·d, x + u·d], so the reference's pixel p is the view's p − u·d.
                     let seen = view.tap(x as f32 - offset.du * d, y as f32 - offset.dv * d);
-                    let difference = (seen - self.reference.pixels[y * w + x]).abs().element_sum();
+                    let difference = (seen - self.reference.pixels()[y * w + x]).abs().element_sum();
                     (0..4).for_each(|i| sums[i] += sides[i] * difference);
                 }
             }
@@ -139,7 +140,7 @@ impl Sweep {
             let mean = |sums: &[f32; 4]| (0..4).map(|i| sums[i] / views[i].max(1.0)).fold(f32::MAX, f32::min) / 6.0;
             cost.extend(halves.iter().map(mean));
         }
-        let mut cost = averaged(&cost, self.size);
+        let mut cost = averaged(&cost, [w, h]);
         self.edges.smooth(cost.as_chunks_mut::<1>().0, cancel)?;
         Ok(cost)
     }
@@ -155,7 +156,7 @@ impl Sweep {
             let shift = if inside { valley(cost(at - 1), cost(at), cost(at + 1)) } else { 0.0 };
             (lo + step * (at as f32 + shift), worst - costs[at][i] > TELLING)
         };
-        let (disparity_px, certain) = (0..self.reference.pixels.len()).into_par_iter().map(of).unzip();
+        let (disparity_px, certain) = (0..self.reference.pixels().len()).into_par_iter().map(of).unzip();
         Found { disparity_px, certain }
     }
 }
@@ -168,11 +169,10 @@ fn valley(before: f32, here: f32, after: f32) -> f32 {
 
 /// A view made as bright as the reference view on average: the outer views of a plenoptic camera are darker, and even
 /// surfaces would be matched by their shading.
-fn balanced(mut view: Signed, reference: &Signed) -> Signed {
-    let mean = |of: &Signed| of.pixels.iter().map(|pixel| pixel.xyz() + 1.0).sum::<Vec3>() / of.pixels.len() as f32;
+fn balanced(view: Signed, reference: &Signed) -> Signed {
+    let mean = |of: &Signed| of.pixels().iter().map(|pixel| pixel.xyz() + 1.0).sum::<Vec3>() / of.pixels().len() as f32;
     let gain = mean(reference) / mean(&view).max(Vec3::splat(DARKEST));
-    view.pixels.iter_mut().for_each(|pixel| *pixel = ((pixel.xyz() + 1.0) * gain - 1.0).extend(0.0));
-    view
+    view.map(|pixel| ((pixel.xyz() + 1.0) * gain - 1.0).extend(0.0))
 }
 
 /// The mean over a square window, separably; windows are cut at the picture's edge.

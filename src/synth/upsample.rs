@@ -9,9 +9,8 @@
 use rayon::prelude::*;
 
 use super::lift::STEP_PX;
-use super::resample::{Filter, resample};
 use super::{SynthError, speckles};
-use crate::field::{DisparityMap, View};
+use crate::field::{DisparityMap, Filter, View, resample, sides};
 use crate::job::{Cancel, Cancelled, Job};
 
 /// How far a certain value flows over even colour, as a share of the long side.
@@ -38,20 +37,20 @@ const SHARPEN_ROUNDS: usize = 6;
 /// # Errors
 /// Cancelled; values beyond all measure.
 pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
-    let (source, target) = (map.size().map(|s| s as usize), guide.size().map(|s| s as usize));
+    let (source, target) = (map.size(), guide.size());
     let ratio = map.scale_to(guide.size());
     let scaled: Vec<f32> = map.disparity_px().iter().map(|d| d * ratio).collect();
-    let certain = resample::<1>(&certainty(&scaled, source), source, target, Filter::Linear);
+    let certain = resample::<1>(&certainty(&scaled, sides(source)), source, target, Filter::Linear);
     let wide = resample::<1>(&scaled, source, target, Filter::Linear);
     let mut disparity_px = spread(&wide, &certain, guide, job)?;
     let least = (ratio * ratio) as usize;
-    speckles::remove(&mut disparity_px, target, least, |a, b| colour_difference(guide, a, b), job.cancel)?;
+    speckles::remove(&mut disparity_px, sides(target), least, |a, b| colour_difference(guide, a, b), job.cancel)?;
     Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
 /// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
 fn spread(values: &[f32], certain: &[f32], guide: &View, job: &Job) -> Result<Vec<f32>, Cancelled> {
-    let size = guide.size().map(|side| side as usize);
+    let size = sides(guide.size());
     let mut flow: Vec<[f32; 2]> = values.iter().zip(certain).map(|(d, c)| [d * c, *c]).collect();
     let difference = |a: usize, b: usize| colour_difference(guide, a, b);
     let reach = FLOW_SHARE * size[0].max(size[1]) as f32;
@@ -193,6 +192,7 @@ fn sharpen(map: &mut [f32], [w, h]: [usize; 2], cancel: &Cancel) -> Result<(), C
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::Raster;
 
     fn guided(map: &DisparityMap, guide: &View) -> DisparityMap {
         to_guide(map, guide, &Job { cancel: &Cancel::default(), sink: &() }).unwrap()
@@ -203,10 +203,9 @@ mod tests {
         let inside = |x: f32, y: f32| (x - 60.0).hypot(y - 45.0) < 25.0;
         let mask: Vec<bool> = (0..120 * 90).map(|i| inside((i % 120) as f32, (i / 120) as f32)).collect();
         let rgba = mask.iter().flat_map(|m| if *m { [210, 190, 60, 255] } else { [40, 70, 50, 255] }).collect();
-        let sharp: Vec<f32> = mask.iter().map(|m| if *m { 0.5 } else { -0.3 }).collect();
-        let small = resample::<1>(&sharp, [120, 90], [10, 8], Filter::Linear);
-        let soft = resample::<1>(&small, [10, 8], [40, 30], Filter::Linear);
-        (View::new([120, 90], rgba).unwrap(), DisparityMap::new([40, 30], soft).unwrap(), mask)
+        let sharp = Raster::from_fn([120, 90], |x, y| if mask[y * 120 + x] { 0.5 } else { -0.3 });
+        let soft = sharp.resized([10, 8], Filter::Linear).resized([40, 30], Filter::Linear);
+        (View::new([120, 90], rgba).unwrap(), DisparityMap::new([40, 30], soft.into_pixels()).unwrap(), mask)
     }
 
     #[test]

@@ -6,7 +6,7 @@ use egui::ColorImage;
 
 use super::theme;
 use super::worker::{Event, JobId, Outbox};
-use crate::field::{Lens, LightField, RayDepths, ViewIndex};
+use crate::field::{Lens, LightField, RayDepths, ViewIndex, sides};
 use crate::job::Cancel;
 use crate::render::lens::peaking;
 
@@ -47,6 +47,6 @@ pub fn work(job: JobId, request: Request, _: &Cancel, outbox: &Outbox) {
     let map = depths.map(key.view);
     let marks = peaking(view, &map, &key.lens);
     let pixels = marks.into_iter().map(|mark| theme::PEAK.gamma_multiply(f32::from(mark) / 255.0)).collect();
-    let image = ColorImage::new(view.size().map(|side| side as usize), pixels);
+    let image = ColorImage::new(sides(view.size()), pixels);
     outbox.send(job, Event::Peaks(Box::new(Peaks { key, image })));
 }

@@ -9,6 +9,7 @@ use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptio
 use rayon::prelude::*;
 
 use super::theme;
+use crate::field::pixels;
 use crate::render::Picture;
 
 /// Side of a tile, in pixels, without its rim.
@@ -72,7 +73,7 @@ impl TileSet {
 fn shrunk(size: [u32; 2], rgba: &[u8], by: u32) -> ([u32; 2], Vec<u8>) {
     let small = size.map(|side| side.div_ceil(by));
     let (row_bytes, block_bytes) = (size[0] as usize * 4, by as usize * 4);
-    let mut out = vec![0; small[0] as usize * small[1] as usize * 4];
+    let mut out = vec![0; pixels(small) * 4];
     let blocks = rgba.par_chunks(row_bytes * by as usize);
     out.par_chunks_exact_mut(small[0] as usize * 4).zip(blocks).for_each_init(
         || vec![[0u32; 4]; small[0] as usize],

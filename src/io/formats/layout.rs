@@ -11,8 +11,8 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::matching::{Gray, box_mean};
-use crate::field::{LightField, ViewGrid, ViewIndex};
+use super::matching::{box_mean, gray};
+use crate::field::{LightField, Raster, ViewGrid, ViewIndex};
 
 /// What has to be done to the views to fit our convention, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -150,10 +150,9 @@ pub(super) fn error(field: &LightField) -> f32 {
 /// Mean difference of the probes from the reference view, for each disparity.
 fn costs(field: &LightField) -> Vec<(f32, Vec<f32>)> {
     let grid = field.grid();
-    let reference = Gray::from_view(field.reference(), WIDTH);
-    let [w, h] = reference.size;
-    let probes: Vec<_> =
-        probes(grid).into_iter().map(|at| (grid.offset(at), Gray::from_view(field.view(at), WIDTH))).collect();
+    let reference = gray(field.reference(), WIDTH);
+    let [w, h] = reference.size();
+    let probes: Vec<_> = probes(grid).into_iter().map(|at| (grid.offset(at), gray(field.view(at), WIDTH))).collect();
     let count = (2.0 * RANGE / STEP).round() as i32;
     (0..=count)
         .into_par_iter()
@@ -162,8 +161,8 @@ fn costs(field: &LightField) -> Vec<(f32, Vec<f32>)> {
             let cost = |at: usize| {
                 let (x, y) = ((at as u32 % w) as f32, (at as u32 / w) as f32);
                 // view(v, u)[y, x] = reference[y + dv·D, x + du·D], read from the view's side.
-                let difference = |(steps, view): &(crate::field::ViewOffset, Gray)| {
-                    (view.tap(x - steps.du * d, y - steps.dv * d) - reference.values[at]).abs()
+                let difference = |(steps, view): &(crate::field::ViewOffset, Raster<f32>)| {
+                    (view.tap(x - steps.du * d, y - steps.dv * d) - reference.pixels()[at]).abs()
                 };
                 probes.iter().map(difference).sum::<f32>() / probes.len().max(1) as f32
             };

@@ -2,17 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::field::{RelativeDepth, View, bilinear};
-
-/// A grey picture.
-///
-/// # Shapes
-/// - `values`: `[y, x]`, 0 … 1
-#[derive(Clone, Debug)]
-pub(crate) struct Gray {
-    pub(crate) size: [u32; 2],
-    pub(crate) values: Vec<f32>,
-}
+use crate::field::{Filter, Raster, RelativeDepth, View};
 
 /// Width at which stereo pairs are matched.
 const STEREO_WIDTH: u32 = 320;
@@ -21,39 +11,17 @@ const STEREO_RANGE: [f32; 2] = [-0.08, 0.12];
 /// Half the side of the window over which costs are averaged.
 const WINDOW: usize = 4;
 
-impl Gray {
-    /// A view's green-ish luma, brought to a width by averaging.
-    pub(crate) fn from_view(view: &View, width: u32) -> Self {
-        let luma = |px: &[u8]| (0.3 * f32::from(px[0]) + 0.6 * f32::from(px[1]) + 0.1 * f32::from(px[2])) / 255.0;
-        Self { size: view.size(), values: view.rgba().chunks_exact(4).map(luma).collect() }.fit_width(width)
-    }
+/// A view's green-ish luma, 0 … 1, brought to a width by averaging.
+pub(crate) fn gray(view: &View, width: u32) -> Raster<f32> {
+    let luma = |[r, g, b, _]: [u8; 4]| (0.3 * f32::from(r) + 0.6 * f32::from(g) + 0.1 * f32::from(b)) / 255.0;
+    fit_width(view.map(luma), width)
+}
 
-    /// Averages boxes of pixels until the picture is at most `width` wide.
-    pub(crate) fn fit_width(&self, width: u32) -> Self {
-        let [w, h] = self.size;
-        if w <= width {
-            return self.clone();
-        }
-        let height = ((f64::from(h) * f64::from(width) / f64::from(w)).round() as u32).max(1);
-        let edge = |n: u32, of: u32, side: u32| (u64::from(n) * u64::from(side) / u64::from(of)) as usize;
-        let mut values = Vec::with_capacity((width * height) as usize);
-        for y in 0..height {
-            let rows = edge(y, height, h)..edge(y + 1, height, h).max(edge(y, height, h) + 1);
-            for x in 0..width {
-                let cols = edge(x, width, w)..edge(x + 1, width, w).max(edge(x, width, w) + 1);
-                let count = (rows.len() * cols.len()) as f32;
-                let sum: f32 =
-                    rows.clone().map(|row| self.values[row * w as usize..][cols.clone()].iter().sum::<f32>()).sum();
-                values.push(sum / count);
-            }
-        }
-        Self { size: [width, height], values }
-    }
-
-    /// The value at a place, linear between pixels, edges go on.
-    pub(crate) fn tap(&self, x: f32, y: f32) -> f32 {
-        bilinear(self.size.map(|side| side as usize), x, y, |i| self.values[i])
-    }
+/// A grey picture at most `width` wide, by averaging.
+fn fit_width(picture: Raster<f32>, width: u32) -> Raster<f32> {
+    let [w, h] = picture.size();
+    let height = ((f64::from(h) * f64::from(width) / f64::from(w)).round() as u32).max(1);
+    if w <= width { picture } else { picture.resized([width, height], Filter::Area) }
 }
 
 /// Mean over a window of `2 · half + 1` pixels a side; windows are cut at the edges.
@@ -80,12 +48,12 @@ pub(crate) fn box_mean(values: &[f32], [w, h]: [u32; 2], half: usize) -> Vec<f32
 
 /// Shift of every pixel of `from` in `to`: `from(x) = to(x + sign · d)`, larger `d` is nearer. None where the pictures
 /// do not match at all.
-pub(crate) fn stereo(from: &Gray, to: &Gray, sign: f32) -> Option<RelativeDepth> {
-    let (from, to) = (from.fit_width(STEREO_WIDTH), to.fit_width(STEREO_WIDTH));
-    if from.size != to.size {
+pub(crate) fn stereo(from: Raster<f32>, to: Raster<f32>, sign: f32) -> Option<RelativeDepth> {
+    let (from, to) = (fit_width(from, STEREO_WIDTH), fit_width(to, STEREO_WIDTH));
+    if from.size() != to.size() {
         return None;
     }
-    let [w, h] = from.size;
+    let [w, h] = from.size();
     let first = (STEREO_RANGE[0] * w as f32) as i32;
     let last = (STEREO_RANGE[1] * w as f32) as i32;
     let costs: Vec<(f32, Vec<f32>)> = (first..=last)
@@ -94,7 +62,7 @@ pub(crate) fn stereo(from: &Gray, to: &Gray, sign: f32) -> Option<RelativeDepth>
             let d = d as f32;
             let cost = |at: usize| {
                 let (x, y) = ((at as u32 % w) as f32, (at as u32 / w) as f32);
-                (from.values[at] - to.tap(x + sign * d, y)).abs().min(0.1)
+                (from.pixels()[at] - to.tap(x + sign * d, y)).abs().min(0.1)
             };
             let raw: Vec<f32> = (0..(w * h) as usize).map(cost).collect();
             (d, box_mean(&raw, [w, h], WINDOW))
@@ -138,21 +106,18 @@ pub(crate) mod tests {
         let (w, h) = (160, 120);
         let inside = |x: i32, y: i32| (60..100).contains(&x) && (40..80).contains(&y);
         // The left eye's picture; in the right eye's one the square has moved 6 px to the left, the rest 1 px.
-        let paint = |shift: [f32; 2]| Gray {
-            size: [w, h],
-            values: (0..w * h)
-                .map(|n| {
-                    let (x, y) = ((n % w) as f32, (n / w) as f32);
-                    let near = inside((x + shift[0]) as i32, y as i32);
-                    if near { texture(x + shift[0], y + 500.0) } else { texture(x + shift[1], y) }
-                })
-                .collect(),
+        let paint = |shift: [f32; 2]| {
+            Raster::from_fn([w, h], |x, y| {
+                let (x, y) = (x as f32, y as f32);
+                let near = inside((x + shift[0]) as i32, y as i32);
+                if near { texture(x + shift[0], y + 500.0) } else { texture(x + shift[1], y) }
+            })
         };
         let (left, right) = (paint([0.0, 0.0]), paint([6.0, 1.0]));
         let at = |map: &RelativeDepth, x: usize, y: usize| map.nearness()[y * w as usize + x];
-        let map = stereo(&left, &right, -1.0).unwrap();
+        let map = stereo(left.clone(), right.clone(), -1.0).unwrap();
         assert_eq!((at(&map, 80, 60), at(&map, 30, 100)), (6.0, 1.0));
-        let back = stereo(&right, &left, 1.0).unwrap();
+        let back = stereo(right, left, 1.0).unwrap();
         assert_eq!((at(&back, 74, 60), at(&back, 130, 100)), (6.0, 1.0));
     }
 }

@@ -10,7 +10,7 @@ use png::{BitDepth, ColorType};
 use super::out;
 use crate::field::Picture;
 use crate::field::color::srgb8_from_linear;
-use crate::field::{LightField, View, ViewGrid, ViewOffset, ViewPoint, bilinear};
+use crate::field::{LightField, View, ViewGrid, ViewOffset, ViewPoint, bilinear, sides};
 use crate::io::raster;
 use crate::io::save::SaveError;
 use crate::io::{FileInfo, LightFieldFile, Problem};
@@ -156,7 +156,7 @@ fn fit(picture: &Picture, tile: [u32; 2], aspect: f32) -> Vec<u8> {
                 let at = |n: u32, k: usize, of: usize| n as f32 + (k as f32 + 0.5) / of as f32;
                 let sx = (w - cut_w) / 2.0 + at(x, i, nx) * scale_x - 0.5;
                 let sy = (h - cut_h) / 2.0 + at(y, j, ny) * scale_y - 0.5;
-                sum += bilinear(picture.size.map(|side| side as usize), sx, sy, light);
+                sum += bilinear(sides(picture.size), sx, sy, light);
             }
             rgb.extend((sum / (nx * ny) as f32).to_array().map(srgb8_from_linear));
         }

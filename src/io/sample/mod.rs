@@ -15,7 +15,7 @@ use self::canvas::Band;
 use self::shapes::Shape;
 use super::DisparityMap;
 use crate::field::color::srgb_from_linear;
-use crate::field::{FieldError, Photo};
+use crate::field::{FieldError, Photo, sides};
 
 /// Width and height of the sample, in pixels.
 pub const SIZE: [u32; 2] = [1200, 800];
@@ -47,7 +47,7 @@ const BAND_ROWS: usize = 16;
 
 /// Paints the shapes, given from far to near: sRGB bytes `[y, x, 4]` and disparity `[y, x]`.
 fn draw(scene: &[Box<dyn Shape>], size: [u32; 2]) -> (Vec<u8>, Vec<f32>) {
-    let [width, height] = size.map(|side| side as usize);
+    let [width, height] = sides(size);
     let mut rgba = vec![255; width * height * 4];
     let mut disparity_px = vec![0.0; width * height];
     let bands = rgba.par_chunks_mut(width * 4 * BAND_ROWS).zip(disparity_px.par_chunks_mut(width * BAND_ROWS));
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn edges_of_the_disparity_are_edges_of_the_picture() {
         let Sample { photo, disparity } = sample().unwrap();
-        let [width, _] = SIZE.map(|side| side as usize);
+        let [width, _] = sides(SIZE);
         let mut at_steps = (0.0, 0);
         let mut elsewhere = (0.0, 0);
         for (at, pair) in disparity.disparity_px().windows(2).enumerate() {

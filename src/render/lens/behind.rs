@@ -7,29 +7,20 @@ use super::light::Light;
 use super::sample::{Axis, bilinear};
 use super::surfaces::Surfaces;
 use crate::background::{self, Cell, DISTANCE, Front, SHARE};
-use crate::field::fit_long_side;
+use crate::field::{Raster, Size, fit_long_side, sides};
 
 /// Longest side of the grid on which what is behind is made up.
 const GRID_SIDE: u32 = 1024;
 /// A surface is behind another when it is farther by this much, in cells per view step.
 const BEHIND_PX: f32 = 0.08;
 
-/// Colours that other views have seen behind the reference view's edges.
-///
-/// # Shapes
-/// - `cells`: `[y, x]` of red, green, blue (linear light), disparity, and how sure it is (0: not seen)
-#[derive(Clone, Debug)]
-pub struct Revealed {
-    /// Width and height.
-    pub size: [u32; 2],
-    /// The cells.
-    pub cells: Vec<[f32; 5]>,
-}
+/// Colours that other views have seen behind the reference view's edges: red, green, blue (linear light), disparity, and
+/// how sure it is (0: not seen).
+pub type Revealed = Raster<Cell>;
 
 /// The far side behind near edges.
 pub(super) struct Behind {
-    size: [u32; 2],
-    cells: Vec<background::Hidden>,
+    cells: Raster<background::Hidden>,
     is_empty: bool,
 }
 
@@ -51,13 +42,13 @@ impl Behind {
         let front = front(surfaces, &light.reduced(size));
         let apart_px = BEHIND_PX * surfaces.map_size()[0] as f32 / size[0] as f32;
         let cells = background::behind(&front, apart_px, |x, y| seen(revealed, size, x, y));
-        let is_empty = cells.iter().all(|cell| cell[SHARE] <= 0.0);
-        Self { size, cells, is_empty }
+        let is_empty = cells.pixels().iter().all(|cell| cell[SHARE] <= 0.0);
+        Self { cells, is_empty }
     }
 
     /// Reads rows of a picture of `size` from column `x0` on.
-    pub(super) fn reader(&self, x0: i32, count: usize, size: [u32; 2]) -> Reader<'_> {
-        Reader { behind: self, x: Axis::new(x0, count, size[0], self.size[0]), size }
+    pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
+        Reader { behind: self, x: Axis::new(x0, count, size[0], self.cells.size()[0]), size }
     }
 }
 
@@ -65,37 +56,36 @@ impl Behind {
 pub(super) struct Reader<'a> {
     behind: &'a Behind,
     x: Axis,
-    size: [u32; 2],
+    size: Size,
 }
 
 impl Reader<'_> {
     pub(super) fn at_row(&self, y: i32) -> (usize, usize, f32) {
-        Axis::new(y, 1, self.size[1], self.behind.size[1]).get(0)
+        Axis::new(y, 1, self.size[1], self.behind.cells.size()[1]).get(0)
     }
 
     /// What is behind the `i`-th pixel of a row, if anything is known.
     #[inline]
     pub(super) fn hidden(&self, row: (usize, usize, f32), i: usize) -> Option<Hidden> {
         let (x0, x1, tx) = self.x.get(i);
-        let width = self.behind.size[0] as usize;
-        let nearest = &self.behind.cells[row.0 * width + x0];
+        let nearest = self.behind.cells.at(x0, row.0);
         if self.behind.is_empty || (nearest[SHARE] <= 0.0 && nearest[DISTANCE] > 4.0) {
             return None;
         }
-        let cell = bilinear(&self.behind.cells, width, (x0, x1, tx), row);
+        let cell = bilinear(&self.behind.cells, (x0, x1, tx), row);
         let share = cell[SHARE];
         (share > 0.02).then(|| Hidden {
             rgb: [cell[0] / share, cell[1] / share, cell[2] / share],
             disparity_px: cell[3] / share,
             share: share.min(1.0),
-            distance_px: (cell[DISTANCE] - 1.0) * self.size[0] as f32 / self.behind.size[0] as f32,
+            distance_px: (cell[DISTANCE] - 1.0) * self.size[0] as f32 / self.behind.cells.size()[0] as f32,
         })
     }
 }
 
 /// The visible surfaces at the light's size.
 fn front(surfaces: &Surfaces, light: &Light) -> Front {
-    let [width, height] = light.size().map(|s| s as usize);
+    let [width, height] = sides(light.size());
     let reader = surfaces.reader(0, width, light.size());
     let rows: Vec<(Vec<[f32; 3]>, Vec<f32>)> = (0..height)
         .into_par_iter()
@@ -109,12 +99,12 @@ fn front(surfaces: &Surfaces, light: &Light) -> Front {
         })
         .collect();
     let (rgb, depth): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
-    Front { size: [width, height], rgb: rgb.concat(), disparity_px: depth.concat() }
+    Front { size: light.size(), rgb: rgb.concat(), disparity_px: depth.concat() }
 }
 
-fn seen(revealed: Option<&Revealed>, size: [u32; 2], x: usize, y: usize) -> Cell {
+fn seen(revealed: Option<&Revealed>, size: Size, x: usize, y: usize) -> Cell {
     let Some(revealed) = revealed else { return [0.0; 5] };
-    let x = Axis::new(x as i32, 1, size[0], revealed.size[0]).get(0);
-    let y = Axis::new(y as i32, 1, size[1], revealed.size[1]).get(0);
-    bilinear(&revealed.cells, revealed.size[0] as usize, x, y)
+    let x = Axis::new(x as i32, 1, size[0], revealed.size()[0]).get(0);
+    let y = Axis::new(y as i32, 1, size[1], revealed.size()[1]).get(0);
+    bilinear(revealed, x, y)
 }

@@ -6,6 +6,7 @@
 use super::Prepared;
 use super::light::Light;
 use super::tile::{Optics, Region};
+use crate::field::sides;
 
 const BINS: usize = 16;
 /// Of all places of one brightness, the part that is taken for even.
@@ -25,7 +26,7 @@ impl Grain {
         if strength <= 0.0 {
             return Self { sigma: [0.0; BINS], on: false };
         }
-        let [width, height] = light.size().map(|s| s as usize);
+        let [width, height] = sides(light.size());
         let step = ((width * height) as f32 / 40_000.0).sqrt().max(3.0) as usize;
         let mut bins: Vec<Vec<f32>> = vec![Vec::new(); BINS];
         for y in (1..height.saturating_sub(1)).step_by(step) {

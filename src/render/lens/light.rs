@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::field::{Photo, PhotoPixels, Transfer};
+use crate::field::{Filter, Photo, PhotoPixels, Size, Taps, Transfer, pixels, sides};
 
 /// In which primaries the picture is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,9 +29,9 @@ impl Space {
 /// Where light comes from.
 #[derive(Clone)]
 pub(super) enum Light {
-    Eight { size: [u32; 2], px: Arc<[u8]>, transfer: Transfer },
-    Sixteen { size: [u32; 2], px: Arc<[u16]>, transfer: Transfer },
-    Linear { size: [u32; 2], px: Arc<[[f32; 3]]> },
+    Eight { size: Size, px: Arc<[u8]>, transfer: Transfer },
+    Sixteen { size: Size, px: Arc<[u16]>, transfer: Transfer },
+    Linear { size: Size, px: Arc<[[f32; 3]]> },
 }
 
 impl Light {
@@ -44,7 +44,7 @@ impl Light {
         }
     }
 
-    pub(super) fn size(&self) -> [u32; 2] {
+    pub(super) fn size(&self) -> Size {
         match self {
             Self::Eight { size, .. } | Self::Sixteen { size, .. } | Self::Linear { size, .. } => *size,
         }
@@ -53,7 +53,12 @@ impl Light {
     /// One pixel.
     #[inline]
     pub(super) fn at(&self, x: usize, y: usize) -> [f32; 3] {
-        let at = y * self.size()[0] as usize + x;
+        self.pixel(y * self.size()[0] as usize + x)
+    }
+
+    /// The pixel of a number `y · width + x`.
+    #[inline]
+    pub(super) fn pixel(&self, at: usize) -> [f32; 3] {
         match self {
             Self::Eight { px, transfer, .. } => std::array::from_fn(|c| transfer.linear_from_8(c, px[at * 4 + c])),
             Self::Sixteen { px, transfer, .. } => std::array::from_fn(|c| transfer.linear_from_16(c, px[at * 4 + c])),
@@ -81,44 +86,28 @@ impl Light {
     }
 
     /// The same at a smaller size: each pixel is the mean of the area that it covers.
-    pub(super) fn reduced(&self, size: [u32; 2]) -> Self {
+    pub(super) fn reduced(&self, size: Size) -> Self {
         if size == self.size() {
             return self.clone();
         }
-        let [cols, rows] = [0, 1].map(|axis| areas(self.size()[axis], size[axis]));
+        let [cols, rows] = [0, 1].map(|axis| Taps::new(sides(self.size())[axis], sides(size)[axis], Filter::Area));
         let width = size[0] as usize;
-        let mut px = vec![[0.0f32; 3]; width * size[1] as usize];
-        px.par_chunks_mut(width).zip(&rows).for_each(|(out, row)| {
+        let mut px = vec![[0.0f32; 3]; pixels(size)];
+        px.par_chunks_mut(width).enumerate().for_each(|(y, out)| {
+            let (first, shares) = rows.of(y);
             let mut source = vec![[0.0; 3]; self.size()[0] as usize];
             let mut sum = vec![[0.0f32; 3]; source.len()];
-            for (i, &share) in row.shares.iter().enumerate() {
-                self.row(0, (row.first + i) as i32, &mut source);
+            for (i, &share) in shares.iter().enumerate() {
+                self.row(0, (first + i) as i32, &mut source);
                 sum.iter_mut().zip(&source).for_each(|(s, p)| (0..3).for_each(|c| s[c] += share * p[c]));
             }
-            for (pixel, col) in out.iter_mut().zip(&cols) {
-                for (p, &share) in sum[col.first..].iter().zip(&col.shares) {
+            for (x, pixel) in out.iter_mut().enumerate() {
+                let (first, shares) = cols.of(x);
+                for (p, &share) in sum[first..].iter().zip(shares) {
                     (0..3).for_each(|c| pixel[c] += share * p[c]);
                 }
             }
         });
         Self::Linear { size, px: px.into() }
     }
-}
-
-/// The source pixels under one target pixel, with shares that add up to 1.
-struct Area {
-    first: usize,
-    shares: Vec<f32>,
-}
-
-fn areas(source: u32, target: u32) -> Vec<Area> {
-    let scale = f64::from(source) / f64::from(target);
-    let area = |i: u32| {
-        let (from, to) = (f64::from(i) * scale, (f64::from(i) + 1.0) * scale);
-        let first = from.floor() as usize;
-        let last = (to.ceil() as usize).clamp(first + 1, source as usize);
-        let share = |p: usize| ((to.min(p as f64 + 1.0) - from.max(p as f64)) / scale) as f32;
-        Area { first, shares: (first..last).map(share).collect() }
-    };
-    (0..target).map(area).collect()
 }

@@ -34,7 +34,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples};
+use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples, pixels, sides};
 use crate::job::{Cancelled, Job, Stage};
 use crate::render::Picture;
 
@@ -167,7 +167,7 @@ pub fn render(scene: &Rgbd, lens: &Lens, size: [u32; 2], job: &Job) -> Result<Pi
 pub fn render_pixels(scene: &Rgbd, lens: &Lens, size: [u32; 2], bits: u8, job: &Job) -> Result<Pixels, LensError> {
     let transfer = scene.space.transfer(&scene.photo);
     let prepared = scene.prepare(size);
-    let [width, height] = prepared.size.map(|s| s as usize);
+    let [width, height] = sides(prepared.size);
     let mut samples = Samples::with_room(bits, width * height * 3);
     let whole = Region { at: [0; 2], size: prepared.size };
     prepared.render_bands(lens, whole, job, |band| samples.push_linear(band, &transfer))?;
@@ -182,7 +182,7 @@ impl Prepared {
 
     /// Renders a region. Regions of one picture fit together without a seam.
     pub fn render(&self, lens: &Lens, region: Region, job: &Job) -> Result<Picture, LensError> {
-        let mut rgb_linear = Vec::with_capacity(region.size[0] as usize * region.size[1] as usize * 3);
+        let mut rgb_linear = Vec::with_capacity(pixels(region.size) * 3);
         self.render_bands(lens, region, job, |band| rgb_linear.extend_from_slice(band))?;
         Ok(Picture { size: region.size, rgb_linear })
     }

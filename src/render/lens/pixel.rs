@@ -2,8 +2,8 @@
 
 use super::Prepared;
 use super::behind::{self, Hidden};
-use super::sample::{mix, ramp};
 use super::surfaces::{self, MIXTURE, Seen};
+use crate::field::{Mix, ramp};
 
 /// Reads the pixels of rows.
 pub(super) struct Reader<'a> {
@@ -49,7 +49,7 @@ fn one_surface(seen: Seen, hidden: &Hidden) -> Seen {
     let step = seen.near_px - seen.far_px;
     let two = ramp(0.3, 0.7, step / (seen.near_px - hidden.disparity_px).max(step).max(1e-6));
     let between = seen.far_px + seen.cover * step;
-    Seen { near_px: mix(between, seen.near_px, two), cover: mix(1.0, seen.cover, two), ..seen }
+    Seen { near_px: between.mix(seen.near_px, two), cover: 1f32.mix(seen.cover, two), ..seen }
 }
 
 /// Behind a near side's fringe over the far side, the far side goes on, and not what is behind that.
@@ -66,8 +66,8 @@ fn far_side_behind(seen: &Seen, hidden: Option<Hidden>) -> Option<Hidden> {
     let t = more / (known + more).max(1e-6);
     let share = known + more;
     (share > 0.0).then(|| Hidden {
-        rgb: std::array::from_fn(|c| mix(hidden.rgb[c], own.rgb[c], t)),
-        disparity_px: mix(hidden.disparity_px, own.disparity_px, t),
+        rgb: hidden.rgb.mix(own.rgb, t),
+        disparity_px: hidden.disparity_px.mix(own.disparity_px, t),
         share,
         distance_px: hidden.distance_px,
     })

@@ -14,7 +14,8 @@ pub fn revealed(field: &LightField, depths: &RayDepths) -> Revealed {
     let size = field.size();
     let [width, height] = size.map(|s| s as i32);
     let reference = depths.reference();
-    let mut cells = vec![[0.0f32; 5]; reference.len()];
+    let mut revealed = Revealed::filled(size, [0.0; 5]);
+    let cells = revealed.pixels_mut();
     for at in field.grid().views() {
         let step = field.grid().offset(at);
         let (view, depth) = (field.view(at), depths.view(at));
@@ -40,9 +41,9 @@ pub fn revealed(field: &LightField, depths: &RayDepths) -> Revealed {
             }
         }
     }
-    for cell in &mut cells {
+    for cell in cells {
         let weight = cell[4].max(1.0);
         cell.iter_mut().for_each(|v| *v /= weight);
     }
-    Revealed { size, cells }
+    revealed
 }

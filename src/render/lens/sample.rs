@@ -1,6 +1,7 @@
-//! Bilinear reading of a grid at the pixels of another, by the conventions of [`crate::field`].
+//! Bilinear reading of a grid at the pixels of another, by the conventions of [`crate::field`]. Each axis is worked out
+//! once for a tile: [`Raster::tap`] would do it for each pixel.
 
-pub(super) use crate::field::ramp;
+use crate::field::{Raster, between};
 
 /// Where the pixels of one axis lie in a grid: the lower neighbour and the share of the upper one.
 pub(super) struct Axis {
@@ -28,21 +29,15 @@ impl Axis {
     }
 }
 
-/// One value between four.
-#[inline]
-pub(super) fn mix(a: f32, b: f32, t: f32) -> f32 {
-    a + (b - a) * t
-}
-
-/// All numbers of a cell, between four cells of a grid of `width` columns.
+/// All numbers of a cell, between four cells of a grid.
 #[inline]
 pub(super) fn bilinear<const N: usize>(
-    grid: &[[f32; N]],
-    width: usize,
+    grid: &Raster<[f32; N]>,
     (x0, x1, tx): (usize, usize, f32),
     (y0, y1, ty): (usize, usize, f32),
 ) -> [f32; N] {
-    let [a, b] = [&grid[y0 * width + x0], &grid[y0 * width + x1]];
-    let [c, d] = [&grid[y1 * width + x0], &grid[y1 * width + x1]];
-    std::array::from_fn(|i| mix(mix(a[i], b[i], tx), mix(c[i], d[i], tx), ty))
+    let (cells, width) = (grid.pixels(), grid.sides()[0]);
+    let [a, b] = [&cells[y0 * width + x0], &cells[y0 * width + x1]];
+    let [c, d] = [&cells[y1 * width + x0], &cells[y1 * width + x1]];
+    std::array::from_fn(|i| between([a[i], b[i], c[i], d[i]], [tx, ty]))
 }

@@ -4,6 +4,7 @@
 use super::kernel::Kernel;
 use super::rays::{LEVELS, Ray};
 use super::tile::{Optics, Region};
+use crate::field::sides;
 
 /// One slice on its way over a tile.
 pub(super) struct Spread {
@@ -44,7 +45,7 @@ fn both(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
 impl Spread {
     pub(super) fn new(region: Region) -> Self {
         let at = region.at.map(|at| at as i32);
-        let (mut first, mut size) = (at, region.size.map(|s| s as usize));
+        let (mut first, mut size) = (at, sides(region.size));
         let sheets = std::array::from_fn(|level| {
             if level > 0 {
                 let last = [0, 1].map(|a| ((first[a] + size[a] as i32 - 1) >> 1) + 1);

@@ -8,8 +8,8 @@
 use rayon::prelude::*;
 
 use super::light::Light;
-use super::sample::{Axis, bilinear, mix, ramp};
-use crate::field::{DisparityMap, fit_long_side};
+use super::sample::{Axis, bilinear};
+use crate::field::{DisparityMap, Mix, Raster, Size, between, fit_long_side, nearest, ramp, sides};
 
 /// Longest side of the grid of edge models.
 const GRID_SIDE: u32 = 1024;
@@ -46,10 +46,9 @@ pub(super) const MIXTURE: [f32; 2] = [0.01, 0.99];
 /// The disparity map with the models of its edges.
 pub(super) struct Surfaces {
     map: DisparityMap,
-    size: [u32; 2],
-    cells: Vec<[f32; LEN]>,
-    /// Whether any of a cell's corners is at an edge; `[y, x]`.
-    busy: Vec<bool>,
+    cells: Raster<[f32; LEN]>,
+    /// Whether any of a cell's corners is at an edge.
+    busy: Raster<bool>,
 }
 
 /// What a pixel sees.
@@ -84,21 +83,15 @@ impl Seen {
 impl Surfaces {
     pub(super) fn new(map: DisparityMap, light: &Light) -> Self {
         let size = fit_long_side(map.size(), GRID_SIDE);
-        let grid = nearest(&map, size);
+        let grid = nearest(map.disparity_px(), map.size(), size);
         let ratio = map.scale_to(size);
         let small = light.reduced([size[0].min(light.size()[0]), size[1].min(light.size()[1])]);
         let colors = Colors { light: &small, size };
         let soft = soft(&grid, size);
         let maps = [&grid[..], &soft];
-        let width = size[0] as usize;
-        let mut cells = vec![[0.0; LEN]; grid.len()];
-        cells.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-            for (x, cell) in row.iter_mut().enumerate() {
-                *cell = model(maps, size, [x as i32, y as i32], ratio, &colors);
-            }
-        });
-        let busy = busy(&cells, size);
-        Self { map, size, cells, busy }
+        let cells = Raster::par_from_fn(size, |x, y| model(maps, size, [x as i32, y as i32], ratio, &colors));
+        let busy = busy(&cells);
+        Self { map, cells, busy }
     }
 
     pub(super) fn map_size(&self) -> [u32; 2] {
@@ -110,9 +103,9 @@ impl Surfaces {
     }
 
     /// Reads rows of pixels of a picture of `size`, from column `x0` on.
-    pub(super) fn reader(&self, x0: i32, count: usize, size: [u32; 2]) -> Reader<'_> {
+    pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
         let map_x = Axis::new(x0, count, size[0], self.map.size()[0]);
-        let grid_x = Axis::new(x0, count, size[0], self.size[0]);
+        let grid_x = Axis::new(x0, count, size[0], self.cells.size()[0]);
         Reader { surfaces: self, map_x, grid_x, size }
     }
 }
@@ -122,7 +115,7 @@ pub(super) struct Reader<'a> {
     surfaces: &'a Surfaces,
     map_x: Axis,
     grid_x: Axis,
-    size: [u32; 2],
+    size: Size,
 }
 
 /// A row to be read.
@@ -135,7 +128,7 @@ impl Reader<'_> {
     pub(super) fn at_row(&self, y: i32) -> Row {
         let s = self.surfaces;
         let map_y = Axis::new(y, 1, self.size[1], s.map.size()[1]).get(0);
-        Row { map_y, grid_y: Axis::new(y, 1, self.size[1], s.size[1]).get(0) }
+        Row { map_y, grid_y: Axis::new(y, 1, self.size[1], s.cells.size()[1]).get(0) }
     }
 
     /// Disparity at the `i`-th pixel of the row, as the map has it.
@@ -144,9 +137,8 @@ impl Reader<'_> {
         let (x0, x1, tx) = self.map_x.get(i);
         let (y0, y1, ty) = row.map_y;
         let (map, width) = (self.surfaces.map.disparity_px(), self.surfaces.map.size()[0] as usize);
-        let (a, b) = (map[y0 * width + x0], map[y0 * width + x1]);
-        let (c, d) = (map[y1 * width + x0], map[y1 * width + x1]);
-        mix(mix(a, b, tx), mix(c, d, tx), ty)
+        let corners = [y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1];
+        between(corners.map(|i| map[i]), [tx, ty])
     }
 
     /// What the `i`-th pixel of the row sees, with its colour.
@@ -155,10 +147,10 @@ impl Reader<'_> {
         let s = self.surfaces;
         let disparity = self.disparity(row, i);
         let grid_x = self.grid_x.get(i);
-        if !s.busy[row.grid_y.0 * s.size[0] as usize + grid_x.0] {
+        if !s.busy.at(grid_x.0, row.grid_y.0) {
             return Seen::whole(disparity);
         }
-        let cell = bilinear(&s.cells, s.size[0] as usize, grid_x, row.grid_y);
+        let cell = bilinear(&s.cells, grid_x, row.grid_y);
         self.at_edge(disparity, &cell, color)
     }
 
@@ -176,15 +168,15 @@ impl Reader<'_> {
         let at: f32 = (0..3).map(|c| (color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]) * cell[AXIS + c]).sum();
         let by_color = 0.5 + 1.6 * (at.clamp(-0.5, 1.5) - 0.5);
         let unsure = ramp(0.02, 0.2, soft.min(1.0 - soft));
-        let cover = mix(steep.clamp(0.0, 1.0), by_color.clamp(0.0, 1.0), unsure * cell[TELLING]).clamp(0.0, 1.0);
+        let cover = steep.clamp(0.0, 1.0).mix(by_color.clamp(0.0, 1.0), unsure * cell[TELLING]).clamp(0.0, 1.0);
         // Maps end where most of a pixel does. The fringe beyond, hair and what the lens made soft, has near light too.
         let foreign = edge * cell[FOREIGN];
         let (far_rgb, part) = near_part(cell, color);
         let cover = cover.max(foreign * ramp(FRINGE[0], FRINGE[1], part) * part.min(1.0));
         // Well on one side the map's own value stands; between the sides it would be an invented depth.
-        let near = mix(near, disparity, ramp(0.88, 0.99, by_map));
-        let far = mix(disparity, far, ramp(0.01, 0.12, by_map));
-        Seen { near_px: mix(disparity, near, edge), far_px: mix(disparity, far, edge), cover, edge, far_rgb, foreign }
+        let near = near.mix(disparity, ramp(0.88, 0.99, by_map));
+        let far = disparity.mix(far, ramp(0.01, 0.12, by_map));
+        Seen { near_px: disparity.mix(near, edge), far_px: disparity.mix(far, edge), cover, edge, far_rgb, foreign }
     }
 }
 
@@ -203,22 +195,10 @@ fn near_part(cell: &[f32; LEN], color: &[f32; 3]) -> ([f32; 3], f32) {
     (far_rgb, part * (1.0 - ramp(STRAY[0], STRAY[1], beside)))
 }
 
-/// The map at another size, its values as they are: means would invent depths at edges.
-fn nearest(map: &DisparityMap, size: [u32; 2]) -> Vec<f32> {
-    let place = |i: u32, axis: usize| {
-        let at = (f64::from(i) + 0.5) * f64::from(map.size()[axis]) / f64::from(size[axis]);
-        (at as u32).min(map.size()[axis] - 1)
-    };
-    (0..size[1])
-        .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
-        .map(|(x, y)| map.at(place(x, 0), place(y, 1)))
-        .collect()
-}
-
 /// Colours of the photo at the cells of the grid, as √light, in which noise is even.
 struct Colors<'a> {
     light: &'a Light,
-    size: [u32; 2],
+    size: Size,
 }
 
 impl Colors<'_> {
@@ -231,8 +211,8 @@ impl Colors<'_> {
 }
 
 /// Means of 3×3 cells.
-fn soft(grid: &[f32], size: [u32; 2]) -> Vec<f32> {
-    let [width, height] = size.map(|s| s as usize);
+fn soft(grid: &[f32], size: Size) -> Vec<f32> {
+    let [width, height] = sides(size);
     let mean = |i: usize| {
         let beside = |at: usize, side: usize| [at.saturating_sub(1), at, (at + 1).min(side - 1)];
         let rows = beside(i / width, height);
@@ -242,7 +222,7 @@ fn soft(grid: &[f32], size: [u32; 2]) -> Vec<f32> {
 }
 
 /// The model of one cell from the window around it.
-fn model([grid, soft]: [&[f32]; 2], size: [u32; 2], [x, y]: [i32; 2], ratio: f32, colors: &Colors) -> [f32; LEN] {
+fn model([grid, soft]: [&[f32]; 2], size: Size, [x, y]: [i32; 2], ratio: f32, colors: &Colors) -> [f32; LEN] {
     let [width, height] = size.map(|s| s as i32);
     let at = |dx: i32, dy: i32| ((y + dy).clamp(0, height - 1) * width + (x + dx).clamp(0, width - 1)) as usize;
     let disparity = grid[at(0, 0)];
@@ -338,11 +318,10 @@ impl Side {
 }
 
 /// Marks cells one of whose corners is at an edge.
-fn busy(cells: &[[f32; LEN]], size: [u32; 2]) -> Vec<bool> {
-    let [width, height] = size.map(|s| s as usize);
-    let edge = |x: usize, y: usize| cells[y.min(height - 1) * width + x.min(width - 1)][EDGE] > 0.0;
-    let corner = |x, y| edge(x, y) || edge(x + 1, y) || edge(x, y + 1) || edge(x + 1, y + 1);
-    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| corner(x, y)).collect()
+fn busy(cells: &Raster<[f32; LEN]>) -> Raster<bool> {
+    let [width, height] = cells.sides();
+    let edge = |x: usize, y: usize| cells.at(x.min(width - 1), y.min(height - 1))[EDGE] > 0.0;
+    Raster::from_fn(cells.size(), |x, y| edge(x, y) || edge(x + 1, y) || edge(x, y + 1) || edge(x + 1, y + 1))
 }
 
 #[cfg(test)]

@@ -9,10 +9,9 @@ use super::Prepared;
 use super::behind::Hidden;
 use super::kernel::Kernels;
 use super::rays::{BLOCK, Piece, SHARP_PX, Slices, slice_of};
-use super::sample::ramp;
 use super::spread::Spread;
 use super::surfaces::{MIXTURE, Seen};
-use crate::field::Lens;
+use crate::field::{Lens, ramp};
 
 /// A part of the picture, in its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,11 +9,11 @@ use rayon::prelude::*;
 
 use super::behind::Behind;
 use super::light::{Light, Space};
-use super::sample::mix;
 use super::surfaces::Surfaces;
 use super::{LensError, Rgbd};
 use crate::background::Beside;
-use crate::field::{DisparityMap, Photo, PhotoPixels, Transfer, ViewPoint, color::srgb8_from_linear};
+use crate::field::color::srgb8_from_linear;
+use crate::field::{DisparityMap, Mix, Photo, PhotoPixels, Size, Transfer, ViewPoint, bilinear, nearest, sides};
 use crate::job::{Job, Stage};
 
 /// A ray that is behind a surface by more than this, in pixels per view step of the map, has gone past its edge.
@@ -26,7 +26,7 @@ const ROWS: usize = 64;
 impl Rgbd {
     /// The scene as it is seen from a viewpoint, in `size` pixels (at most the photo's). From the reference view it is
     /// the scene itself.
-    pub fn seen_from(&self, eye: ViewPoint, size: [u32; 2], job: &Job) -> Result<Self, LensError> {
+    pub fn seen_from(&self, eye: ViewPoint, size: Size, job: &Job) -> Result<Self, LensError> {
         if eye == ViewPoint::default() {
             return Ok(self.clone());
         }
@@ -35,7 +35,7 @@ impl Rgbd {
         let front = Front::new(self, size);
         let scale = self.disparity.scale_to(size);
         let shift = [eye.0.du * scale, eye.0.dv * scale];
-        let [width, height] = size.map(|s| s as usize);
+        let [width, height] = sides(size);
         let mut wide = vec![u16::MAX; width * height * 4];
         let mut depth = vec![0.0; width * height];
         let bands = height.div_ceil(ROWS);
@@ -57,7 +57,7 @@ impl Rgbd {
 
 /// The visible surfaces of the reference view, pixel by pixel, and what is behind them.
 struct Front {
-    size: [u32; 2],
+    size: Size,
     light: Light,
     depth: Vec<f32>,
     range: [f32; 2],
@@ -66,7 +66,7 @@ struct Front {
 }
 
 impl Front {
-    fn new(scene: &Rgbd, size: [u32; 2]) -> Self {
+    fn new(scene: &Rgbd, size: Size) -> Self {
         let light = Light::of(&scene.photo, scene.space).reduced(size);
         let surfaces = Surfaces::new(scene.disparity.clone(), &light);
         let behind = Behind::new(&surfaces, &light, scene.behind.as_deref());
@@ -145,10 +145,10 @@ impl Front {
         let Some(hidden) = reader.hidden(reader.at_row(y as i32), 0).filter(|hidden| hidden.share > 0.5) else {
             return own;
         };
-        let size = self.size.map(|side| side as usize);
-        let beside = Beside::of(&self.depth, size, y * size[0] + x, PAST_PX);
+        let sides = sides(self.size);
+        let beside = Beside::of(&self.depth, sides, y * sides[0] + x, PAST_PX);
         let bare = beside.map_or(0.0, |beside| beside.bare(ray, shift));
-        std::array::from_fn(|c| mix(own[c], hidden.rgb[c], bare))
+        own.mix(hidden.rgb, bare)
     }
 
     fn nearest(&self, at: [f32; 2]) -> [usize; 2] {
@@ -160,24 +160,15 @@ impl Front {
         self.depth[y * self.size[0] as usize + x]
     }
 
-    fn color_at(&self, at: [f32; 2]) -> [f32; 3] {
-        let [x, y] = [0, 1].map(|axis| at[axis].clamp(0.0, self.size[axis] as f32 - 1.0));
-        let (x0, y0) = (x as usize, y as usize);
-        let [x1, y1] = [(x0 + 1).min(self.size[0] as usize - 1), (y0 + 1).min(self.size[1] as usize - 1)];
-        let (tx, ty) = (x - x.floor(), y - y.floor());
-        let between = |a: [f32; 3], b: [f32; 3], t: f32| std::array::from_fn(|c| mix(a[c], b[c], t));
-        let upper = between(self.light.at(x0, y0), self.light.at(x1, y0), tx);
-        between(upper, between(self.light.at(x0, y1), self.light.at(x1, y1), tx), ty)
+    fn color_at(&self, [x, y]: [f32; 2]) -> [f32; 3] {
+        bilinear(sides(self.size), x, y, |i| self.light.pixel(i))
     }
 
     /// The scene of what was seen.
     fn scene(&self, from: &Rgbd, wide: Vec<u16>, depth: &[f32]) -> Result<Rgbd, LensError> {
         // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
         let size = from.disparity.size();
-        let place = |i: u32, axis: usize| (2 * i as usize + 1) * self.size[axis] as usize / (2 * size[axis] as usize);
-        let cell = |(x, y)| depth[place(y, 1) * self.size[0] as usize + place(x, 0)];
-        let cells = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
-        let map = DisparityMap::new(size, cells.map(cell).collect())?;
+        let map = DisparityMap::new(size, nearest(depth, self.size, size))?;
         let transfer = &self.transfer;
         let to_8 = |p: &[u16]| {
             let of = |c: usize| srgb8_from_linear(transfer.linear_from_16(c, p[c]));

@@ -4,6 +4,7 @@ use heifer::heifer_isobmff::BoxIter;
 use heifer::heifer_isobmff::{HeifFile, ItemId};
 
 use super::heic::decode_item;
+use crate::field::Raster;
 use crate::io::formats::matching;
 use crate::io::{DepthKind, EmbeddedDepth};
 
@@ -30,14 +31,12 @@ fn depth(file: &HeifFile, file_bytes: usize, [left, right]: [ItemId; 2]) -> Resu
         let image = decode_item(file, file_bytes, id).map_err(|problem| problem.to_string())?;
         let max = f32::from(image.max_value());
         let luma = |px: &[u16]| (0.3 * f32::from(px[0]) + 0.6 * f32::from(px[1]) + 0.1 * f32::from(px[2])) / max;
-        Ok::<_, String>(matching::Gray {
-            size: [image.width, image.height],
-            values: image.data.chunks_exact(4).map(luma).collect(),
-        })
+        Raster::new([image.width, image.height], image.data.chunks_exact(4).map(luma).collect())
+            .map_err(|error| error.to_string())
     };
     let (from, to) = (gray(primary)?, gray(other)?);
     // Seen from the right eye, near things have moved to the left.
     let sign = if primary == right { 1.0 } else { -1.0 };
-    let map = matching::stereo(&from, &to, sign).ok_or("the two eyes do not match")?;
+    let map = matching::stereo(from, to, sign).ok_or("the two eyes do not match")?;
     Ok(EmbeddedDepth { kind: DepthKind::SpatialPair, map, metric: false })
 }

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use super::heif::{self, Cicp};
 use super::{Channel, Raster, Samples, check_size, color, hdr};
+use crate::field::sides;
 use crate::io::Problem;
 use crate::io::file_type::{FileType, Pixels};
 use coded::Coded;
@@ -163,8 +164,8 @@ impl Tiling {
         if self.size == self.tile_size {
             return decode(&self.tiles[0]);
         }
-        let [width, _] = self.size.map(|side| side as usize);
-        let [tile_width, tile_height] = self.tile_size.map(|side| side as usize);
+        let [width, _] = sides(self.size);
+        let [tile_width, tile_height] = sides(self.tile_size);
         let mut whole = vec![P::default(); width * self.size[1] as usize];
         for (band, tiles) in whole.chunks_mut(width * tile_height).zip(self.tiles.chunks(self.columns)) {
             let pixels: Vec<Vec<P>> = tiles.par_iter().map(decode).collect::<Result<_, _>>()?;

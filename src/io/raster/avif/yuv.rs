@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::FORMAT;
 use super::coded::Coded;
+use crate::field::sides;
 use crate::io::Problem;
 use crate::io::raster::Channel;
 use crate::io::raster::heif::Cicp;
@@ -76,7 +77,7 @@ fn channel<T: Channel>(value: f32) -> T {
 /// Opaque pixels, row by row.
 pub(super) fn rgba<T: Channel + Send + Default>(coded: &Coded, cicp: Cicp) -> Result<Vec<[T; 4]>, Problem> {
     let conversion = Conversion::new(coded, cicp)?;
-    let [width, height] = coded.size.map(|side| side as usize);
+    let [width, height] = sides(coded.size);
     let mut pixels = vec![[T::default(); 4]; width * height];
     pixels.par_chunks_mut(width).enumerate().for_each_init(
         || Rows::new(coded, &conversion),
@@ -94,7 +95,7 @@ pub(super) fn rgba<T: Channel + Send + Default>(coded: &Coded, cicp: Cicp) -> Re
 /// Brightness as opacity, row by row.
 pub(super) fn alpha<T: Channel + Send + Default>(coded: &Coded, full_range: bool) -> Vec<T> {
     let [offset, scale] = range(coded.bits, full_range, false);
-    let [width, height] = coded.size.map(|side| side as usize);
+    let [width, height] = sides(coded.size);
     let mut values = vec![T::default(); width * height];
     values.par_chunks_mut(width).enumerate().for_each_init(
         || vec![0.0; width],
