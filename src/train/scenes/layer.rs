@@ -5,7 +5,9 @@
 //! the ray depth is that of the nearest layer that covers more than half. So views, ray depths and what is hidden
 //! behind every edge are exact.
 
-use super::raster::{Raster, Texel as _};
+use plenoscope::field::bilinear;
+
+use super::raster::Raster;
 
 /// One layer on the scene's canvas.
 pub struct Layer {
@@ -153,12 +155,5 @@ impl<'a> Ray<'a> {
 
 /// Bilinear tap of a picture, for tests and for checks of what was rendered.
 pub fn tap_rgb(rgb: &[[f32; 3]], size: [usize; 2], x: f32, y: f32) -> [f32; 3] {
-    let x = x.clamp(0.0, (size[0] - 1) as f32);
-    let y = y.clamp(0.0, (size[1] - 1) as f32);
-    let (x0, y0) = (x as usize, y as usize);
-    let (x1, y1) = ((x0 + 1).min(size[0] - 1), (y0 + 1).min(size[1] - 1));
-    let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-    let at = |x: usize, y: usize| rgb[y * size[0] + x];
-    let weights = [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy];
-    <[f32; 3]>::mix([at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1)], weights)
+    bilinear(size, x, y, |i| rgb[i])
 }

@@ -1,5 +1,7 @@
 //! Small pictures in memory: bilinear taps, area resize, blur, and filling by push and pull.
 
+use plenoscope::field::{Filter, Mix, bilinear, resample, size_from};
+
 /// A picture of `[width, height]` texels, `[y, x]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Raster<T> {
@@ -23,40 +25,40 @@ impl Rgb {
 /// What a [`Raster`] can hold and interpolate.
 pub trait Texel: Copy + Send + Sync {
     /// What interpolation gives.
-    type Out: Copy;
-    /// The sum of four texels by weight.
-    fn mix(texels: [Self; 4], weights: [f32; 4]) -> Self::Out;
+    type Out: Mix;
+    /// A texel as that.
+    fn out(self) -> Self::Out;
 }
 
 impl Texel for f32 {
     type Out = f32;
     #[inline(always)]
-    fn mix(t: [Self; 4], w: [f32; 4]) -> f32 {
-        t[0] * w[0] + t[1] * w[1] + t[2] * w[2] + t[3] * w[3]
+    fn out(self) -> f32 {
+        self
     }
 }
 
 impl Texel for u8 {
     type Out = f32;
     #[inline(always)]
-    fn mix(t: [Self; 4], w: [f32; 4]) -> f32 {
-        f32::mix(t.map(f32::from), w)
+    fn out(self) -> f32 {
+        self.into()
     }
 }
 
 impl<const N: usize> Texel for [f32; N] {
-    type Out = [f32; N];
+    type Out = Self;
     #[inline(always)]
-    fn mix(t: [Self; 4], w: [f32; 4]) -> [f32; N] {
-        std::array::from_fn(|c| t[0][c] * w[0] + t[1][c] * w[1] + t[2][c] * w[2] + t[3][c] * w[3])
+    fn out(self) -> Self {
+        self
     }
 }
 
 impl<const N: usize> Texel for [u8; N] {
     type Out = [f32; N];
     #[inline(always)]
-    fn mix(t: [Self; 4], w: [f32; 4]) -> [f32; N] {
-        <[f32; N]>::mix(t.map(|texel| texel.map(f32::from)), w)
+    fn out(self) -> [f32; N] {
+        self.map(f32::from)
     }
 }
 
@@ -76,17 +78,8 @@ impl<T: Texel> Raster<T> {
     /// Bilinear tap; pixel centres at integers, the edge goes on outside.
     #[inline(always)]
     pub fn tap(&self, x: f32, y: f32) -> T::Out {
-        let [w, h] = self.size;
-        let x = x.max(0.0).min((w - 1) as f32);
-        let y = y.max(0.0).min((h - 1) as f32);
-        let (x0, y0) = (x as usize, y as usize);
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let right = usize::from(x0 + 1 < w);
-        let down = if y0 + 1 < h { w } else { 0 };
-        let i = y0 * w + x0;
-        let texels = [self.px[i], self.px[i + right], self.px[i + down], self.px[i + down + right]];
-        let (gx, gy) = (1.0 - fx, 1.0 - fy);
-        T::mix(texels, [gx * gy, fx * gy, gx * fy, fx * fy])
+        // What is no number is the first row or column, as unknown depth must not become unknown colour.
+        bilinear(self.size, x.max(0.0), y.max(0.0), |i| self.px[i].out())
     }
 
     /// The same raster with each texel changed.
@@ -95,53 +88,11 @@ impl<T: Texel> Raster<T> {
     }
 }
 
-/// One output pixel of an area resize: first source pixel, and the weights from there on.
-fn area_weights(from: usize, to: usize) -> Vec<(usize, Vec<f32>)> {
-    let ratio = from as f32 / to as f32;
-    if ratio <= 1.0 {
-        return (0..to)
-            .map(|i| {
-                let x = ((i as f32 + 0.5) * ratio - 0.5).clamp(0.0, (from - 1) as f32);
-                let first = (x as usize).min(from.saturating_sub(2));
-                let f = x - first as f32;
-                (first, if from == 1 { vec![1.0] } else { vec![1.0 - f, f] })
-            })
-            .collect();
-    }
-    (0..to)
-        .map(|i| {
-            let (lo, hi) = (i as f32 * ratio, (i + 1) as f32 * ratio);
-            let (first, last) = (lo as usize, (hi.ceil() as usize).min(from));
-            let overlap = |k: usize| ((k + 1) as f32).min(hi) - (k as f32).max(lo);
-            (first, (first..last).map(|k| overlap(k).max(0.0) / ratio).collect())
-        })
-        .collect()
-}
-
 impl<const N: usize> Raster<[f32; N]> {
     /// Resized by averaging over each target pixel's area (bilinear where it grows).
     pub fn resized(&self, size: [usize; 2]) -> Self {
-        if size == self.size {
-            return self.clone();
-        }
-        let columns = area_weights(self.size[0], size[0]);
-        let mut wide = vec![[0.0; N]; size[0] * self.size[1]];
-        for (row, out) in self.px.chunks_exact(self.size[0]).zip(wide.chunks_exact_mut(size[0])) {
-            for (texel, (first, weights)) in out.iter_mut().zip(&columns) {
-                for (source, weight) in row[*first..].iter().zip(weights) {
-                    (0..N).for_each(|c| texel[c] += source[c] * weight);
-                }
-            }
-        }
-        let mut px = vec![[0.0; N]; size[0] * size[1]];
-        for (out, (first, weights)) in px.chunks_exact_mut(size[0]).zip(area_weights(self.size[1], size[1])) {
-            for (row, weight) in wide.chunks_exact(size[0]).skip(first).zip(weights) {
-                for (texel, source) in out.iter_mut().zip(row) {
-                    (0..N).for_each(|c| texel[c] += source[c] * weight);
-                }
-            }
-        }
-        Self { size, px }
+        let values = resample::<N>(self.px.as_flattened(), size_from(self.size), size_from(size), Filter::Area);
+        Self { size, px: values.as_chunks().0.to_vec() }
     }
 
     /// Blurred by three box filters whose sum has about this deviation; nothing below 0.3 px.
