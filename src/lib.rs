@@ -13,8 +13,6 @@
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`background`]: what goes on behind near edges.
-//! * [`recipe`], [`batch`]: every edit as a small file, for one photo or many.
-//! * [`series`]: focal stacks and animations.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
 //! * [`aside`]: files and folders that are there whole or not at all.
@@ -23,7 +21,6 @@
 
 pub mod aside;
 pub mod background;
-pub mod batch;
 pub mod bench;
 pub mod errors;
 pub mod field;
@@ -31,10 +28,8 @@ pub mod io;
 pub mod job;
 pub mod kernel;
 mod panics;
-pub mod recipe;
 pub mod render;
 pub mod scene;
-pub mod series;
 pub mod synth;
 #[cfg(feature = "ui")]
 pub mod ui;

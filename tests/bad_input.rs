@@ -24,7 +24,7 @@ use plenoscope::field::{LightField, RayDepths, View, ViewGrid};
 use plenoscope::io::formats::{TABLE, depth_map};
 use plenoscope::io::{self, OpenError, Opened};
 use plenoscope::job::{Cancel, Job};
-use plenoscope::recipe::Recipe;
+use plenoscope::scene::Recipe;
 use plenoscope::synth::Manifest;
 use plenoscope::synth::tract::{Options, prepare};
 use seeds::As;

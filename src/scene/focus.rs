@@ -9,18 +9,22 @@ use crate::field::DisparityMap;
 /// Side of the square whose median disparity is taken, as a share of the map's width: 5 of 540 px.
 const MEDIAN_SHARE: f32 = 5.0 / 540.0;
 
-/// The disparity at a place, x and y from 0 to 1, in pixels per view step of the map's width: the median of a small
-/// square, so that a stray ray does not move the focus.
+/// The disparity at a place, x and y from 0 to 1, in pixels per view step of the map's width.
 pub fn disparity_at(map: &DisparityMap, place: [f32; 2]) -> f32 {
-    let [w, h] = map.size();
+    median_at(map.size(), place, |x, y| map.at(x, y))
+}
+
+/// As [`disparity_at`], of values that lie in no map of their own: the median of a small square, so that a stray ray does
+/// not move the focus.
+pub fn median_at([w, h]: [u32; 2], place: [f32; 2], at: impl Fn(u32, u32) -> f32) -> f32 {
     let reach = (w as f32 * MEDIAN_SHARE / 2.0) as i64;
     let around = |place: f32, side: u32| {
         let center = (place.clamp(0.0, 1.0) * side as f32) as i64;
         (center.min(i64::from(side) - 1) - reach..=center.min(i64::from(side) - 1) + reach)
             .map(move |at| at.clamp(0, i64::from(side) - 1) as u32)
     };
-    let mut values: Vec<f32> =
-        around(place[1], h).flat_map(|y| around(place[0], w).map(move |x| map.at(x, y))).collect();
+    let at = &at;
+    let mut values: Vec<f32> = around(place[1], h).flat_map(|y| around(place[0], w).map(move |x| at(x, y))).collect();
     values.sort_by(f32::total_cmp);
     values[values.len() / 2]
 }

@@ -2,252 +2,211 @@
 
 use std::sync::Arc;
 
-use super::app::{App, Dialog};
-use super::dialogs::{PathFor, Picked};
-use super::document::{Document, Made, Survey};
-use super::edits::History;
-use super::jobs::From;
-use super::near_end;
+use egui::{Context, TextureOptions, ViewportCommand};
+
+use super::action::Action;
+use super::apply::apply;
+use super::ask::Picked;
+use super::dialog::Dialog;
+use super::document::{Document, Sidecar};
+use super::event::Event;
+use super::history::History;
+use super::jobs::OpenFrom;
+use super::near_end::Question;
 use super::neighbours;
+use super::open::{Made, Open};
+use super::progress::Loading;
 use super::queue::State;
-use super::rest::AtRest;
-use super::state::{Edit, Face, Pose};
+use super::rays::Rays;
 use super::tiles::Tiled;
-use super::worker::{Event, JobId};
-use crate::field::{RayDepths, ViewPoint};
+use super::window::Window;
+use super::worker::JobId;
+use crate::field::ViewPoint;
+use crate::scene::Focus;
 
-impl App {
-    /// Takes in what the threads have sent. Never waits.
-    pub(super) fn drain(&mut self, ctx: &egui::Context) {
-        while let Ok((job, event)) = self.events.try_recv() {
-            if self.loading.as_ref().is_some_and(|running| running.job == job) {
-                self.loaded(event, ctx);
-            } else if self.queue.has(job) {
-                self.exported(job, event, ctx);
-            } else {
-                self.told(event, ctx);
+/// Takes in one letter.
+pub fn take(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
+    if window.loading.running().is_some_and(|running| running.job == job) {
+        loaded(window, event, ctx);
+    } else if window.queue.has(job) {
+        exported(window, job, event, ctx);
+    } else {
+        told(window, event, ctx);
+    }
+}
+
+/// From threads other than those that open and save, and from the loader once it is done.
+fn told(window: &mut Window, event: Event, ctx: &Context) {
+    match event {
+        Event::Picked(picked) => self::picked(window, picked, ctx),
+        Event::AtRest(key, tiles) => window.rest.put(key, tiles),
+        Event::Peaks(peaks) => window.rest.put_peaks(peaks, ctx),
+        Event::Thumbnail(path, image) => {
+            let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
+            window.thumbnails.push((path, texture));
+        }
+        Event::Models(models) => window.models = models,
+        Event::Warning(text) => window.toasts.info(&text),
+        Event::Failed(text) => window.toasts.error(&text),
+        _ => {}
+    }
+}
+
+fn exported(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
+    let Window { queue, toasts, .. } = window;
+    match event {
+        Event::Progress(progress) => queue.tell(job, progress),
+        Event::Saved(path) => {
+            queue.end(job, State::Done(path.clone()));
+            // One at a time is told; of many the queue tells.
+            if !queue.is_open {
+                toasts.saved(path);
             }
+        }
+        Event::Skipped(path) => {
+            queue.end(job, State::Skipped);
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            toasts.info(&format!("{name} is there already and was left as it is"));
+        }
+        Event::Copied(picture) => {
+            let size = picture.size.map(|side| side as usize);
+            ctx.copy_image(egui::ColorImage::from_rgba_unmultiplied(size, &picture.to_srgb8()));
+            queue.forget(job);
+            toasts.info(&format!("Copied the picture, {} × {} px", size[0], size[1]));
+        }
+        Event::Failed(text) => {
+            toasts.error(&text);
+            queue.end(job, State::Failed(text));
+        }
+        Event::Stopped => queue.end(job, State::Stopped),
+        other => told(window, other, ctx),
+    }
+}
+
+fn loaded(window: &mut Window, event: Event, ctx: &Context) {
+    let is_again = matches!(window.loading, Loading::Again(_));
+    match event {
+        Event::Progress(progress) => window.loading.tell(progress),
+        Event::Failed(text) => {
+            window.toasts.error(&text);
+            window.loading = Loading::Idle;
+        }
+        Event::Stopped => window.loading = Loading::Idle,
+        Event::Opened(document, rays, preview) => {
+            opened(window, *document, rays, ctx);
+            window.photo = preview.map(Tiled::new);
+        }
+        Event::Tiles(tiles) => window.photo = Some(Tiled::new(tiles)),
+        // Made again with other settings: the old light field stays usable until the new one is complete.
+        Event::Rays(_) | Event::View(..) if is_again => {}
+        Event::Rays(rays) => take_rays(window, rays),
+        Event::View(at, view) => {
+            // Ray depths tell the grid; the reference view, which comes before them, is the photo.
+            if let (Some(pictures), Some(rays)) = (&mut window.pictures, window.open.rays()) {
+                pictures.push_view(rays.depths.grid(), at, &view);
+            }
+        }
+        Event::Made(made) => self::made(window, *made),
+        other => told(window, other, ctx),
+    }
+}
+
+/// A file was read: it takes the place of what was open.
+fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Context) {
+    if let Some(pictures) = &mut window.pictures {
+        pictures.clear();
+        if let Some(recorded) = document.subject.recorded() {
+            pictures.push_field(&recorded.shown);
         }
     }
+    window.loading.opened();
+    window.rest.forget();
+    window.look.begin();
+    window.edit = match &document.sidecar {
+        Sidecar::Read(recipe) => recipe.edit(window.making().view_size(&document.subject)[0]),
+        _ => window.edit.for_new_photo(),
+    };
+    window.history = History::new(window.edit);
+    window.toasts.clear();
+    document.warnings.iter().for_each(|warning| window.toasts.info(warning));
+    if let Some(path) = &document.subject.path {
+        window.settings.remember(path);
+    }
+    ctx.send_viewport_cmd(ViewportCommand::Title(format!("{} — Plenoscope", document.subject.name)));
+    window.open = Open::new(document);
+    if let Some(rays) = rays {
+        take_rays(window, rays);
+    }
+}
 
-    /// From threads other than those that open and save, and from the loader once it is done.
-    fn told(&mut self, event: Event, ctx: &egui::Context) {
-        match event {
-            Event::Picked(picked) => self.picked(picked, ctx),
-            Event::Final(rendered) => self.rest.put(rendered.0, rendered.1),
-            Event::Peaks(peaks) => self.rest.put_peaks(*peaks, ctx),
-            Event::Thumbnail(path, image) => {
-                let texture = ctx.load_texture("thumbnail", image, egui::TextureOptions::LINEAR);
-                self.thumbnails.push((path, texture));
-            }
-            Event::Models(models) => self.models = models,
-            Event::Warning(text) => self.toasts.info(&text),
-            Event::Failed(text) => self.toasts.error(&text),
-            _ => {}
+/// Ray depths are there: the first of a file, or others.
+fn take_rays(window: &mut Window, rays: Rays) {
+    if let Some(pictures) = &mut window.pictures {
+        pictures.push_depths(&rays.depths);
+    }
+    if window.open.rays().is_none() && window.edit.focus == Focus::Subject {
+        window.look.probe = rays.survey.subject.into();
+    }
+    window.open.take_rays(rays);
+}
+
+/// The light field is complete.
+fn made(window: &mut Window, made: Made) {
+    // Its job's last words (models) come after it.
+    let is_again = matches!(window.loading, Loading::Again(_));
+    window.loading = Loading::Idle;
+    window.rest.begin();
+    if let Some(pictures) = &mut window.pictures
+        && let Some(views) = made.scene.views()
+    {
+        // Views of a photo's first light field have come one by one.
+        if is_again || window.open.photo().is_none() {
+            pictures.push_field(&views.field);
         }
     }
-
-    fn exported(&mut self, job: JobId, event: Event, ctx: &egui::Context) {
-        match event {
-            Event::Progress(progress) => self.queue.tell(job, progress),
-            Event::Saved(path) => {
-                self.queue.end(job, State::Done(path.clone()));
-                // One at a time is told; of many the queue tells.
-                if !self.is_queue_open {
-                    self.toasts.saved(path);
-                }
-            }
-            Event::Skipped(path) => {
-                self.queue.end(job, State::Skipped);
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                self.toasts.info(&format!("{name} is there already and was left as it is"));
-            }
-            Event::Copied(picture) => {
-                let size = picture.size.map(|side| side as usize);
-                ctx.copy_image(egui::ColorImage::from_rgba_unmultiplied(size, &picture.to_srgb8()));
-                self.queue.forget(job);
-                self.toasts.info(&format!("Copied the picture, {} × {} px", size[0], size[1]));
-            }
-            Event::Failed(text) => {
-                self.toasts.error(&text);
-                self.queue.end(job, State::Failed(text));
-            }
-            Event::Stopped => self.queue.end(job, State::Stopped),
-            other => self.told(other, ctx),
-        }
+    if let Some(views) = made.scene.views().filter(|_| is_again) {
+        window.edit.viewpoint = ViewPoint(views.field.grid().clamp(window.edit.viewpoint.0));
     }
-
-    fn loaded(&mut self, event: Event, ctx: &egui::Context) {
-        match event {
-            Event::Progress(progress) => {
-                if let Some(running) = &mut self.loading {
-                    running.tell(progress);
-                }
-            }
-            Event::Failed(text) => {
-                self.toasts.error(&text);
-                self.loading = None;
-            }
-            Event::Stopped => self.loading = None,
-            Event::Opened(document, preview) => {
-                self.opened(*document, ctx);
-                self.photo = preview.map(Tiled::new);
-            }
-            Event::Tiles(tiles) => self.photo = Some(Tiled::new(tiles)),
-            // Made again with other settings: the old light field stays usable until the new one is complete.
-            Event::Depths(..) | Event::View(..) if self.is_again => {}
-            Event::Depths(depths, survey) => self.take_depths(depths, survey),
-            Event::View(at, view) => {
-                // Ray depths tell the grid; the reference view, which comes before them, is the photo.
-                let grid = self.document.depths.as_ref().map(|depths| depths.grid());
-                if let (Some(stage), Some(grid)) = (&mut self.stage, grid) {
-                    stage.push_view(grid, at, &view);
-                }
-            }
-            Event::Made(made) => self.made(*made),
-            other => self.told(other, ctx),
-        }
+    let is_other_source = window.open.scene().is_some_and(|old| old.made_by() != made.scene.made_by());
+    let are_new = window.open.rays().is_none_or(|old| !Arc::ptr_eq(&old.depths, &made.rays.depths));
+    if are_new {
+        take_rays(window, made.rays.clone());
     }
+    window.open.take_made(made);
+    // Laid out anew, or measured otherwise: what was sharp lies at another disparity.
+    let is_elsewhere = is_other_source || window.open.photo().is_none();
+    if is_again && is_elsewhere && matches!(window.edit.focus, Focus::Disparity(_)) {
+        window.focus_on_subject();
+    }
+    let photo = window.open.subject().filter(|subject| subject.photo().is_some());
+    if let Some(path) = photo.and_then(|subject| subject.path.clone()) {
+        window.workers.ahead.replace(neighbours::Request::Prefetch(path));
+    }
+}
 
-    fn made(&mut self, made: Made) {
-        // Its job's last words (models) come after it.
-        self.loading = None;
-        self.generation += 1;
-        let is_streamed = !self.is_again && self.document.photo.is_some();
-        if let Some(stage) = &mut self.stage
-            && !is_streamed
-        {
-            stage.push_field(&made.field);
-        }
-        let width = |field: &Arc<crate::field::LightField>| field.size()[0] as f32;
-        if let Some(old) = self.document.field.as_ref().filter(|_| self.is_again) {
-            self.edit = self.edit.scaled(width(&made.field) / width(old));
-        }
-        if let Some(grid) = self.is_again.then(|| made.field.grid()) {
-            self.edit.viewpoint = ViewPoint(grid.clamp(self.edit.viewpoint.0));
-        }
-        self.document.layout = made.of.layout;
-        self.document.stored = made.of.stored;
-        self.document.field = Some(made.field);
-        let is_other_source = self.document.made_by != made.made_by;
-        self.document.made_by = made.made_by;
-        self.document.took_secs = made.took_secs;
-        if let (Some(depths), Some(survey)) = (made.depths, made.survey) {
-            let is_new = self.document.depths.as_ref().is_none_or(|old| !Arc::ptr_eq(old, &depths));
-            if is_new {
-                self.take_depths(depths, survey);
+/// A dialog of the system's, or the clipboard, has led somewhere.
+fn picked(window: &mut Window, picked: Picked, ctx: &Context) {
+    let action = match picked {
+        Picked::Open(path) => Action::Open(OpenFrom::File(path)),
+        Picked::Folder(path) => return window.settings.export.folder = Some(path),
+        Picked::Photos(photos) => Action::Show(Dialog::Export(photos)),
+        Picked::DepthMap { path, size, readings } => {
+            let question = Question::new(&path, size, readings, ctx);
+            match window.open.size() {
+                Some(photo) if question.fits(photo) => Action::Show(Dialog::NearEnd(question)),
+                _ => Action::Refuse(
+                    "this depth map is not this photo's — it has another shape — use one of the photo's shape",
+                ),
             }
         }
-        // Laid out anew, or measured otherwise: what was sharp lies at another disparity.
-        if self.is_again && self.edit.focus_at.is_none() && (is_other_source || self.document.is_from_disk()) {
-            self.focus_on_subject();
+        Picked::Models(folder) => Action::UseModels(folder),
+        Picked::Pixels(size, rgba) => Action::Open(OpenFrom::Pixels(size, rgba)),
+        Picked::Edit(recipe) => Action::PasteEdit(recipe),
+        Picked::Unavailable(wanted) => Action::Show(Dialog::Path(wanted, String::new())),
+        Picked::NoFolderDialog => {
+            return window.toasts.info("The system shows no folder dialog here: type the folder into the field");
         }
-        if let Some(path) = self.document.path.clone().filter(|_| self.document.photo.is_some()) {
-            self.workers.ahead.replace(neighbours::Request::Prefetch(path));
-        }
-    }
-
-    fn opened(&mut self, document: Document, ctx: &egui::Context) {
-        if let Some(stage) = &mut self.stage {
-            stage.clear();
-            if let Some(field) = &document.field {
-                stage.push_field(field);
-            }
-        }
-        self.photo = None;
-        self.rest = AtRest::default();
-        self.pose = Pose::default();
-        self.face = Face::Picture;
-        self.is_circling = false;
-        self.edit = match &document.recipe {
-            Some(recipe) => Edit::of_recipe(recipe),
-            None => {
-                let mut edit = Edit { lens: self.edit.lens, ..Edit::default() };
-                edit.lens.focus = Default::default();
-                edit.lens.keep_sharp_px = [0.0, 0.0];
-                edit
-            }
-        };
-        self.history = History::default();
-        self.probe = egui::Vec2::splat(0.5);
-        self.toasts.clear();
-        document.warnings.iter().for_each(|warning| self.toasts.info(warning));
-        if let Some(path) = &document.path {
-            self.settings.remember(path);
-        }
-        ctx.send_viewport_cmd(egui::ViewportCommand::Title(format!("{} — Plenoscope", document.name)));
-        let known = document.depths.clone().zip(document.survey.clone());
-        self.document = document;
-        if let Some((depths, survey)) = known {
-            self.take_depths(depths, survey);
-        }
-    }
-
-    fn take_depths(&mut self, depths: Arc<RayDepths>, survey: Arc<Survey>) {
-        self.document.survey = Some(survey);
-        if let Some(stage) = &mut self.stage {
-            stage.push_depths(&depths);
-        }
-        self.document.depths = Some(depths);
-        match self.edit.focus_at {
-            Some(place) => self.focus_on(place),
-            None if self.is_new_file && self.document.recipe.is_none() => self.focus_on_subject(),
-            None => {}
-        }
-        if self.is_new_file {
-            self.is_new_file = false;
-            self.history.begin(self.edit);
-        }
-    }
-
-    fn picked(&mut self, picked: Picked, ctx: &egui::Context) {
-        match picked {
-            Picked::Open(path) => self.open(From::File(path)),
-            Picked::Folder(path) => self.settings.export.folder = Some(path),
-            Picked::Photos(photos) => self.export_photos(photos),
-            Picked::DepthMap { path, size, readings } => {
-                self.ask_near_end(near_end::Question::new(&path, size, readings, ctx));
-            }
-            Picked::Models(folder) => self.use_models(folder),
-            Picked::Pixels(size, rgba) => self.open(From::Pixels(size, rgba)),
-            Picked::Edit(recipe) => self.paste_edit(&recipe),
-            Picked::Unavailable(wanted) => self.dialog = Some(Dialog::Path(wanted, String::new())),
-            Picked::NoFolderDialog => {
-                self.toasts.info("The system shows no folder dialog here: type the folder into the field");
-            }
-            Picked::Nothing => {}
-        }
-    }
-
-    /// What a typed path is for.
-    pub(super) fn use_path(&mut self, wanted: PathFor, path: std::path::PathBuf) {
-        match wanted {
-            PathFor::Open => self.open(From::File(path)),
-            PathFor::Export => self.export_photos(vec![path]),
-            PathFor::DepthMap => self.ask(super::dialogs::Ask::ReadDepthMap(path)),
-            PathFor::Models => self.use_models(path),
-        }
-    }
-
-    /// Opens the export dialog for photos that are not open.
-    pub(super) fn export_photos(&mut self, photos: Vec<std::path::PathBuf>) {
-        self.photos_to_export = photos;
-        self.dialog = Some(Dialog::Export);
-    }
-
-    fn use_models(&mut self, folder: std::path::PathBuf) {
-        self.settings.models_folder = Some(folder);
-        self.make_again();
-    }
-
-    fn ask_near_end(&mut self, question: near_end::Question) {
-        let fits = self.document.size().is_some_and(|size| question.fits(size));
-        if fits {
-            self.near_end = Some(question);
-            self.dialog = Some(Dialog::NearEnd);
-        } else {
-            self.toasts
-                .error("this depth map is not this photo's — it has another shape — use one of the photo's shape");
-        }
-    }
+        Picked::Nothing => return,
+    };
+    apply(window, action, ctx);
 }

@@ -1,60 +1,51 @@
-//! The window. `app` holds it together; `panels` draw; `worker` and `jobs` compute on threads; `stage` lies on the device.
+//! The window. `app` draws a frame of it, `window` is all that it holds, `panels` draw and ask, `apply` does.
 //!
 //! Rules: the UI thread never waits; events come in through one bounded channel, actions go out through
-//! `action::Action`; what a person turns lies in `state`, what is open in `document`.
+//! `action::Action`; what is open lies in `open`, how it is looked at in `look`. What
+//! pictures are made of, and how, is the business of [`crate::scene`].
 
 mod action;
 mod app;
-mod commands;
+mod apply;
+mod ask;
+mod command;
+mod dialog;
 mod dialogs;
 mod document;
-mod edits;
-mod export;
+mod event;
+mod field_pictures;
 mod finals;
+mod history;
 mod inbox;
 mod input;
 mod jobs;
-mod maker;
+mod keys;
+mod look;
 mod near_end;
 mod neighbours;
+mod open;
 mod panels;
 mod peaking;
 mod progress;
 mod queue;
+mod rays;
 mod recents;
 mod rest;
+mod saver;
 mod screen;
-mod stage;
-mod state;
-mod subject;
+mod settings;
 mod theme;
 mod tiles;
 mod toasts;
 mod widgets;
+mod window;
 mod worker;
+mod workers;
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use app::App;
-pub use state::Edit;
-
-use crate::synth::ModelSource;
-
-/// What the window is started with.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// Files to open; the first one is shown.
-    pub files: Vec<PathBuf>,
-    /// Where the nets come from.
-    pub models: ModelSource,
-    /// Long side of a view, in pixels; none is what the settings say.
-    pub long_side: Option<u32>,
-    /// Threads for the nets; 0 is one for each core.
-    pub threads: usize,
-    /// Whether the file of the last run is opened when none is named.
-    pub restores_last: bool,
-}
+pub use window::Options;
 
 /// The window could not be opened.
 #[derive(Debug, thiserror::Error)]

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
-use super::dialogs::Picked;
+use super::ask::Picked;
 use super::document::Document;
+use super::event::Event;
 use super::tiles::TileSet;
-use super::worker::{Event, JobId, Outbox, Work};
+use super::worker::{JobId, Outbox, Work};
 use crate::io::folder;
 use crate::job::{Cancel, Job};
 
@@ -103,8 +104,8 @@ fn prefetch(path: &Path, ahead: &Ahead, cancel: &Cancel) {
             continue;
         }
         let Some(modified) = changed(&path) else { continue };
-        let Ok(document) = super::jobs::read(&path, &Job { cancel, sink: &() }) else { continue };
-        if let Some(photo) = &document.photo {
+        let Ok(document) = Document::read(&path, &Job { cancel, sink: &() }) else { continue };
+        if let Some(photo) = document.subject.photo() {
             let tiles = Arc::new(TileSet::new(photo.size(), photo.srgb8()));
             ahead.put(path, modified, Ready { document, tiles });
         }
@@ -130,7 +131,7 @@ mod tests {
         prefetch(&paths[2], &ahead, &Cancel::default());
         assert!(!ahead.holds(&paths[0]), "what is farther away goes");
         let ready = ahead.take(&paths[3]).unwrap();
-        assert_eq!(ready.document.name, "p4.png");
+        assert_eq!(ready.document.subject.name, "p4.png");
         assert!(ahead.take(&paths[3]).is_none(), "it was taken");
         let file = std::fs::File::options().append(true).open(&paths[1]).unwrap();
         file.set_modified(SystemTime::UNIX_EPOCH).unwrap();

@@ -62,6 +62,44 @@ impl Running {
     }
 }
 
+/// What the thread that opens and synthesizes does for the window.
+#[derive(Clone, Debug, Default)]
+pub enum Loading {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// It reads a file; what was open before is still shown.
+    Opening(Running),
+    /// It makes the light field of what is open, whose ray depths and views come one after the other.
+    Streaming(Running),
+    /// It makes a light field anew; the old one is shown until the new one is complete.
+    Again(Running),
+}
+
+impl Loading {
+    /// What runs.
+    pub fn running(&self) -> Option<&Running> {
+        match self {
+            Self::Idle => None,
+            Self::Opening(running) | Self::Streaming(running) | Self::Again(running) => Some(running),
+        }
+    }
+
+    /// Takes in how far it is.
+    pub fn tell(&mut self, progress: Progress) {
+        if let Self::Opening(running) | Self::Streaming(running) | Self::Again(running) = self {
+            running.tell(progress);
+        }
+    }
+
+    /// The file has been read and is shown.
+    pub fn opened(&mut self) {
+        if let Self::Opening(running) = self {
+            *self = Self::Streaming(running.clone());
+        }
+    }
+}
+
 /// Time that is left when a share took so long; none while that is a guess.
 fn left_secs(elapsed: f64, share: f64) -> Option<f64> {
     (elapsed >= TELLS_AFTER_SECS && share > 0.02).then(|| elapsed / share * (1.0 - share))

@@ -45,6 +45,8 @@ impl Task {
 #[derive(Debug, Default)]
 pub struct Queue {
     tasks: Vec<Task>,
+    /// Whether its panel is shown.
+    pub is_open: bool,
 }
 
 impl Queue {

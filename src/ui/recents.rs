@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use egui::ColorImage;
 
-use super::document::Document;
-use super::worker::{Event, JobId, Outbox};
+use super::event::Event;
+use super::worker::{JobId, Outbox};
 use crate::field::View;
 use crate::io::save::{self, PictureOptions, Pixels, Samples};
 use crate::job::{Cancel, Job};
+use crate::scene::{Content, Subject};
 use crate::synth::reference_view;
 
 /// Long side of a small picture, in pixels: enough for a screen of two pixels a point.
@@ -25,12 +26,13 @@ fn place(folder: &Path, file: &Path) -> PathBuf {
 }
 
 /// Keeps a small picture of a file that has been opened. A cache that cannot be written is no harm.
-pub fn keep(document: &Document) {
-    let (Some(folder), Some(path)) = (folder(), &document.path) else { return };
-    let view = match (&document.photo, &document.field) {
-        (Some(photo), _) => reference_view(photo, LONG_SIDE, &Job { cancel: &Cancel::default(), sink: &() }).ok(),
-        (None, Some(field)) => Some(field.reference().as_ref().clone()),
-        (None, None) => None,
+pub fn keep(subject: &Subject) {
+    let (Some(folder), Some(path)) = (folder(), &subject.path) else { return };
+    let view = match &subject.content {
+        Content::Photo(one) => {
+            reference_view(&one.photo, LONG_SIDE, &Job { cancel: &Cancel::default(), sink: &() }).ok()
+        }
+        Content::Views(recorded) => Some(recorded.shown.reference().as_ref().clone()),
     };
     if let Some(view) = view
         && let Err(error) = std::fs::create_dir_all(&folder).map_err(|e| e.to_string()).and_then(|()| {

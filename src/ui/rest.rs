@@ -8,36 +8,58 @@ use std::time::Duration;
 
 use egui::TextureHandle;
 
-use super::app::App;
-use super::document::Document;
 use super::finals;
-use super::peaking::{self, Peaks};
+use super::keys::{Peaks, PeaksKey, RestKey};
+use super::look::{Face, Look};
+use super::open::Open;
+use super::peaking;
 use super::progress::now;
-use super::state::Face;
 use super::tiles::{TileSet, Tiled};
-use crate::field::{FNumber, Lens};
+use crate::scene::{Edit, OutputSize};
 
 /// Rest before the picture at rest is asked for.
 const REST_SECS: f64 = 0.2;
 
+/// What is looked at, and how.
+pub struct Seen<'a> {
+    /// What is open.
+    pub open: &'a Open,
+    /// Lens and viewpoint.
+    pub edit: &'a Edit,
+    /// Face, zoom and pan.
+    pub look: &'a Look,
+}
+
 /// What is wanted, what has been asked for, and what is there.
 #[derive(Default)]
 pub struct AtRest {
-    picture: Option<(finals::Key, Tiled)>,
-    wanted: Option<finals::Key>,
-    asked_for: Option<finals::Key>,
-    peaks: Option<(peaking::Key, TextureHandle)>,
-    peaks_asked_for: Option<peaking::Key>,
+    /// Light fields so far: what was drawn of an older one is not shown.
+    generation: u64,
+    picture: Option<(RestKey, Tiled)>,
+    wanted: Option<RestKey>,
+    asked_for: Option<RestKey>,
+    peaks: Option<(PeaksKey, TextureHandle)>,
+    peaks_asked_for: Option<PeaksKey>,
 }
 
 impl AtRest {
+    /// Another file is open.
+    pub fn forget(&mut self) {
+        *self = Self { generation: self.generation, ..Self::default() };
+    }
+
+    /// Another light field is there.
+    pub fn begin(&mut self) {
+        self.generation += 1;
+    }
+
     /// Whether what is wanted is there.
     pub fn is_there(&self) -> bool {
         self.wanted.is_none() || self.picture.as_ref().map(|(key, _)| *key) == self.wanted
     }
 
     /// The lens renderer's picture is there.
-    pub fn put(&mut self, key: finals::Key, tiles: Arc<TileSet>) {
+    pub fn put(&mut self, key: RestKey, tiles: Arc<TileSet>) {
         self.picture = Some((key, Tiled::new(tiles)));
     }
 
@@ -48,91 +70,72 @@ impl AtRest {
     }
 
     /// The picture, where it shows what is asked for at any size; of a wide lens the last one, while the next is drawn.
-    pub fn picture(&mut self, key: finals::Key) -> Option<(&finals::Key, &mut Tiled)> {
+    pub fn picture(&mut self, key: RestKey) -> Option<(&RestKey, &mut Tiled)> {
         let (have, tiled) = self.picture.as_mut()?;
-        let is_same = (have.lens, have.viewpoint) == (key.lens, key.viewpoint);
-        let follows = is_wide(&have.lens) && is_wide(&key.lens);
-        (have.generation == key.generation && (is_same || follows)).then_some((&*have, tiled))
+        let follows = !have.has_draft && !key.has_draft;
+        (have.generation == key.generation && (have.edit == key.edit || follows)).then_some((&*have, tiled))
     }
 
     /// Whether this is being drawn.
-    fn is_drawing(&self, is_it: impl Fn(&finals::Key) -> bool) -> bool {
+    fn is_drawing(&self, is_it: impl Fn(&RestKey) -> bool) -> bool {
         let done = self.picture.as_ref().map(|(have, _)| *have);
         self.asked_for.is_some_and(|key| is_it(&key) && done != Some(key))
     }
-}
 
-/// Whether a lens is wider than the light field, so that a sum of views cannot show it.
-fn is_wide(lens: &Lens) -> bool {
-    lens.f_number.0 < FNumber::PAPER_WIDEST.0
-}
-
-impl App {
-    /// Asks for the picture at rest once nothing has moved for a while.
-    pub(super) fn rest(&mut self, ctx: &egui::Context) {
-        self.rest.wanted = self.key_at_rest(ctx.pixels_per_point());
-        let Some(key) = self.rest.wanted else {
-            self.rest.asked_for = None;
-            return;
+    /// The picture at rest that is to be drawn now: once nothing has moved for a while, or of a wide lens at once.
+    pub fn ask(&mut self, seen: &Seen, ctx: &egui::Context) -> Option<finals::Request> {
+        self.wanted = self.key(seen, ctx.pixels_per_point());
+        let Some(mut key) = self.wanted else {
+            self.asked_for = None;
+            return None;
         };
-        let is_there = self.rest.picture.as_ref().is_some_and(|(have, _)| *have == key);
-        if is_there || self.rest.asked_for == Some(key) {
-            return;
+        if self.is_there() || self.asked_for == Some(key) {
+            return None;
         }
-        let Document { photo: Some(photo), field: Some(field), depths: Some(depths), .. } = &self.document else {
-            return;
-        };
-        let mut key = key;
-        if self.is_moving || now() - self.moved_at_secs < REST_SECS {
+        let (scene, field) = (seen.open.scene()?, seen.open.field()?);
+        if seen.look.is_moving || now() - seen.look.moved_at_secs < REST_SECS {
             ctx.request_repaint_after(Duration::from_secs_f64(REST_SECS));
             key = key.whole_at(field.size());
             // The hand does not stop a draft: else it would never see one.
-            let is_busy = self.rest.is_drawing(|asked| asked.is_whole_at(field.size()));
-            if !is_wide(&key.lens) || is_busy || self.rest.asked_for == Some(key) {
-                return;
+            let is_busy = self.is_drawing(|asked| asked.is_whole_at(field.size()));
+            if key.has_draft || is_busy || self.asked_for == Some(key) {
+                return None;
             }
         }
-        let (photo, depths) = (Arc::clone(photo), Arc::clone(depths));
-        self.workers.finisher.replace(finals::Request { key, photo, depths });
-        self.rest.asked_for = Some(key);
+        self.asked_for = Some(key);
+        Some(finals::Request { key, scene: scene.clone() })
     }
 
     /// What the picture at rest has to show; `None` where the draft, or the photo itself, is all there is.
-    pub(super) fn key_at_rest(&self, pixels_per_point: f32) -> Option<finals::Key> {
-        let size = self.picture_size()?;
-        let photo = self.document.photo.as_ref()?;
-        let is_possible = self.document.field.is_some()
-            && self.document.depths.is_some()
-            && self.face == Face::Picture
-            && !self.shows_photo_itself();
-        let on_screen = self.pose.screen_rect(self.canvas, size) * pixels_per_point;
-        let canvas = self.canvas * pixels_per_point;
-        is_possible.then(|| finals::Key::new(&self.edit, self.generation, photo.size(), on_screen, canvas))
+    pub fn key(&self, seen: &Seen, pixels_per_point: f32) -> Option<RestKey> {
+        let Seen { open, edit, look } = seen;
+        let (scene, grid) = (open.scene()?, open.grid()?);
+        let on_screen = look.pose.screen_rect(look.canvas, open.picture_size()?) * pixels_per_point;
+        let canvas = look.canvas * pixels_per_point;
+        let is_draft_true = edit.shows_photo_itself() || scene.sums_views(edit, OutputSize::Photo);
+        let key = RestKey::new(edit, self.generation, scene.subject().size(), on_screen, canvas);
+        let is_wanted = look.face == Face::Picture && !is_draft_true;
+        is_wanted.then_some(RestKey { has_draft: grid.spans(edit.f_number), ..key })
     }
 
-    /// Asks for the marks of what is in focus, whenever the lens or the view has changed.
-    pub(super) fn mark_peaks(&mut self) {
-        let Some(key) = self.peaking_key() else { return };
-        if self.rest.peaks_asked_for == Some(key) {
-            return;
-        }
-        let (Some(field), Some(depths)) = (&self.document.field, &self.document.depths) else { return };
-        let (field, depths) = (Arc::clone(field), Arc::clone(depths));
-        self.workers.peaker.replace(peaking::Request { key, field, depths });
-        self.rest.peaks_asked_for = Some(key);
+    /// The marks of what is in focus that are to be made now, when the lens or the view has changed.
+    pub fn ask_peaks(&mut self, seen: &Seen) -> Option<peaking::Request> {
+        let key = self.peaks_key(seen).filter(|key| self.peaks_asked_for != Some(*key))?;
+        self.peaks_asked_for = Some(key);
+        let (field, depths) = (Arc::clone(seen.open.field()?), Arc::clone(&seen.open.rays()?.depths));
+        Some(peaking::Request { key, field, depths })
     }
 
-    fn peaking_key(&self) -> Option<peaking::Key> {
-        let (field, depths) = (self.document.field.as_ref()?, self.document.depths.as_ref()?);
+    fn peaks_key(&self, seen: &Seen) -> Option<PeaksKey> {
+        let (field, depths) = (seen.open.field()?, &seen.open.rays()?.depths);
         let fits = field.grid() == depths.grid() && field.size() == depths.size();
-        let is_wanted = self.settings.peaking && self.face == Face::Picture && fits;
-        let view = self.nearest_view().filter(|_| is_wanted)?;
-        Some(peaking::Key { lens: self.edit.lens, view, generation: self.generation })
+        let view = seen.open.nearest_view(seen.edit.viewpoint).filter(|_| fits && seen.look.face == Face::Picture)?;
+        Some(PeaksKey { lens: seen.open.lens(seen.edit), view, generation: self.generation })
     }
 
     /// Marks that belong to what is shown.
-    pub(super) fn peaks(&self) -> Option<&TextureHandle> {
-        let key = self.peaking_key()?;
-        self.rest.peaks.as_ref().filter(|(have, _)| *have == key).map(|(_, texture)| texture)
+    pub fn peaks(&self, seen: &Seen) -> Option<&TextureHandle> {
+        let key = self.peaks_key(seen)?;
+        self.peaks.as_ref().filter(|(have, _)| *have == key).map(|(_, texture)| texture)
     }
 }

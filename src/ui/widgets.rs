@@ -1,8 +1,8 @@
 //! The few controls that the window is made of, all in the theme's look and with names for screen readers.
 
 use egui::{
-    Align2, CursorIcon, FontId, Rect, Response, RichText, Role, Sense, Shape, StrokeKind, Ui, Vec2, WidgetInfo,
-    epaint::RectShape, pos2, vec2,
+    Align2, CursorIcon, FontId, Rect, Response, RichText, Role, Sense, Shape, StrokeKind, Ui, UiBuilder, Vec2,
+    WidgetInfo, epaint::RectShape, pos2, vec2,
 };
 
 use super::theme::{self, GRID};
@@ -11,6 +11,21 @@ use super::theme::{self, GRID};
 const ROW_HEIGHT: f32 = 20.0;
 /// Width of the names before a dialog's fields.
 const LABEL_WIDTH: f32 = 96.0;
+
+/// Draws in a part of the window, and nowhere else.
+pub fn inside<T>(ui: &mut Ui, rect: Rect, add: impl FnOnce(&mut Ui) -> T) -> T {
+    let part = ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        ui.set_clip_rect(rect.intersect(ui.clip_rect()));
+        add(ui)
+    });
+    part.inner
+}
+
+/// As [`inside`], on a ground of its own.
+pub fn panel<T>(ui: &mut Ui, rect: Rect, fill: egui::Color32, add: impl FnOnce(&mut Ui) -> T) -> T {
+    ui.painter().rect_filled(rect, 0, fill);
+    inside(ui, rect, add)
+}
 
 /// A plain button.
 pub fn button(ui: &mut Ui, label: &str) -> Response {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable as _;
-use plenoscope::recipe::Recipe;
+use plenoscope::field::FNumber;
+use plenoscope::scene::{Edit, Focus, Recipe};
 
 use crate::common::{Window, click, has_device, is_made, sample_file, steps, wait, window};
 
@@ -35,7 +36,7 @@ fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
     click(&mut harness, center + vec2(-120.0, 120.0));
     steps(&mut harness, SETTLED);
     let focused = *harness.state().edit();
-    assert!(focused.focus_at.is_some());
+    assert!(matches!(focused.focus, Focus::At(_)));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     steps(&mut harness, 2);
     assert_eq!(*harness.state().edit(), untouched, "undone");
@@ -43,12 +44,11 @@ fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
     steps(&mut harness, SETTLED);
     assert_eq!(*harness.state().edit(), focused, "done again");
     wait(&mut harness, "the sidecar", |_| {
-        Recipe::of_photo(&photo).is_ok_and(|recipe| recipe.is_some_and(|recipe| recipe.focus_at == focused.focus_at))
+        Recipe::of_photo(&photo).is_ok_and(|recipe| recipe.is_some_and(|recipe| recipe.edit(1) == focused))
     });
 
     let harness = with_photo(&photo);
-    let again = *harness.state().edit();
-    assert_eq!((again.lens, again.focus_at), (focused.lens, focused.focus_at));
+    assert_eq!(*harness.state().edit(), focused);
 }
 
 #[test]
@@ -59,13 +59,43 @@ fn an_edit_goes_through_the_clipboard_to_another_photo() {
     let folder = tempfile::tempdir().expect("a folder");
     let photo = sample_file(folder.path(), "sample.png");
     let mut harness = with_photo(&photo);
-    let mut recipe = Recipe::default();
-    recipe.lens.f_number = plenoscope::field::FNumber(7.0);
-    recipe.focus_at = Some([0.5, 0.5]);
-    harness.event(egui::Event::Paste(recipe.to_json()));
+    let edit = Edit { f_number: FNumber(7.0), focus: Focus::At([0.5, 0.5]), ..Edit::default() };
+    harness.event(egui::Event::Paste(Recipe::default().with_edit(edit).to_json()));
     steps(&mut harness, 2);
-    let edit = harness.state().edit();
-    assert_eq!((edit.lens.f_number.0, edit.focus_at), (7.0, Some([0.5, 0.5])));
-    let depths = harness.state().focus_depth_px([0.5, 0.5]).expect("there are ray depths");
-    assert!((edit.lens.focus.disparity_px - depths).abs() < 1e-6, "its place is in focus here");
+    assert_eq!(*harness.state().edit(), edit);
+    let depth = harness.state().focus_depth_px([0.5, 0.5]).expect("there are ray depths");
+    assert!((harness.state().lens().focus.disparity_px - depth).abs() < 1e-6, "its place is in focus here");
+}
+
+#[test]
+fn an_edit_that_cannot_be_read_is_told_and_never_written_over() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let photo = sample_file(folder.path(), "sample.png");
+    let later = "{\"version\": 99, \"lens\": {}}";
+    std::fs::write(Recipe::sidecar(&photo), later).expect("written");
+    let mut harness = with_photo(&photo);
+    let center = harness.get_by_label("Picture canvas").rect().center();
+    click(&mut harness, center + vec2(-120.0, 120.0));
+    steps(&mut harness, SETTLED);
+    assert!(matches!(harness.state().edit().focus, Focus::At(_)), "it can be edited");
+    drop(harness);
+    assert_eq!(std::fs::read_to_string(Recipe::sidecar(&photo)).expect("it is there"), later);
+}
+
+#[test]
+fn a_recipe_of_version_1_opens_as_it_looked() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let photo = sample_file(folder.path(), "sample.png");
+    let old = r#"{"lens": {"f_number": 2.0, "focus": {"disparity_px": 0.25}}, "viewpoint": {"du": 1.0, "dv": 0.0}}"#;
+    std::fs::write(Recipe::sidecar(&photo), old).expect("written");
+    let harness = with_photo(&photo);
+    let lens = harness.state().lens();
+    assert_eq!((lens.f_number.0, harness.state().edit().viewpoint.0.du), (2.0, 1.0));
+    assert!((lens.focus.disparity_px - 0.25).abs() < 1e-6, "its pixels are those of the views");
 }

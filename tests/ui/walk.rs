@@ -29,10 +29,10 @@ fn the_main_walk() {
     assert!(eye.du < -0.2 && eye.dv.abs() < 1e-3, "the eye moved to {eye:?}");
 
     // A click focuses on what is there.
-    let before = harness.state().edit().lens.focus.disparity_px;
+    let before = harness.state().lens().focus.disparity_px;
     let at = pos2(from.x, from.y + 200.0);
     click(&mut harness, at);
-    assert_ne!(harness.state().edit().lens.focus.disparity_px, before, "the click focused");
+    assert_ne!(harness.state().lens().focus.disparity_px, before, "the click focused");
 
     // Undo takes the edits back once they have settled; Home centres the eye.
     harness.key_press(egui::Key::Home);

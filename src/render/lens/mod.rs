@@ -54,9 +54,6 @@ pub use reveal::revealed;
 pub use stack::{Motion, circle, focal_planes, lenses};
 pub use tile::Region;
 
-/// Its name until the window has moved to `scene`.
-pub type Scene = Rgbd;
-
 /// Why a picture could not be refocused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LensError {

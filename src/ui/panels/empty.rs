@@ -1,12 +1,14 @@
 //! Nothing is open: one sentence, one drop target, and the ways in. And the veil while a file is dragged over.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use egui::{Align, Align2, CursorIcon, Layout, Rect, RichText, Sense, StrokeKind, Ui, UiBuilder, Vec2, vec2};
+use egui::{
+    Align, Align2, CursorIcon, Layout, Rect, RichText, Sense, StrokeKind, TextureHandle, Ui, UiBuilder, Vec2, vec2,
+};
 
 use crate::ui::action::Action;
-use crate::ui::app::App;
-use crate::ui::jobs::From;
+use crate::ui::command::Command;
+use crate::ui::jobs::OpenFrom;
 use crate::ui::{theme, widgets};
 
 /// Recent files that are shown.
@@ -15,13 +17,17 @@ const MOST_RECENT: usize = 5;
 const CARD: Vec2 = vec2(128.0, 108.0);
 const GAP: f32 = 12.0;
 
+/// Small pictures of recent files.
+pub type Thumbnails = [(PathBuf, TextureHandle)];
+
 /// Draws the empty canvas.
-pub fn show(app: &mut App, ui: &mut Ui) {
+pub fn show(recent: &[PathBuf], thumbnails: &Thumbnails, ui: &mut Ui) -> Option<Action> {
+    let mut action = None;
     let area = ui.max_rect().shrink(32.0);
     let colors = theme::palette(ui.ctx());
     let ctx = ui.ctx().clone();
     dashed(ui, area);
-    let recent: Vec<_> = app.settings.recent.iter().take(MOST_RECENT).cloned().collect();
+    let recent = &recent[..recent.len().min(MOST_RECENT)];
     let height = 150.0 + if recent.is_empty() { 0.0 } else { 60.0 + CARD.y };
     let middle = Rect::from_center_size(area.center(), vec2(area.width().min(720.0), height));
     let builder = UiBuilder::new().max_rect(middle).layout(Layout::top_down(Align::Center));
@@ -35,14 +41,14 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         ui.add_space(20.0);
         ui.horizontal(|ui| {
             ui.add_space((ui.available_width() - 268.0).max(0.0) / 2.0);
-            if widgets::main_button(ui, "Open…").on_hover_text(Action::Open.tip(&ctx)).clicked() {
-                app.apply(Action::Open, &ctx);
+            if widgets::main_button(ui, "Open…").on_hover_text(Command::Open.tip(&ctx)).clicked() {
+                action = Some(Action::Do(Command::Open));
             }
-            if widgets::button(ui, "Paste").on_hover_text(Action::Paste.tip(&ctx)).clicked() {
-                app.apply(Action::Paste, &ctx);
+            if widgets::button(ui, "Paste").on_hover_text(Command::Paste.tip(&ctx)).clicked() {
+                action = Some(Action::Do(Command::Paste));
             }
-            if widgets::button(ui, "Try the sample").on_hover_text(Action::OpenSample.tip(&ctx)).clicked() {
-                app.apply(Action::OpenSample, &ctx);
+            if widgets::button(ui, "Try the sample").on_hover_text(Command::OpenSample.tip(&ctx)).clicked() {
+                action = Some(Action::Do(Command::OpenSample));
             }
         });
         if !recent.is_empty() {
@@ -54,23 +60,25 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             ui.add_space((ui.available_width() - width).max(0.0) / 2.0);
-            for path in &recent {
-                if card(app, ui, path) {
-                    app.open(From::File(path.clone()));
+            for path in recent {
+                let picture = thumbnails.iter().find(|(of, _)| of == path).map(|(_, picture)| picture);
+                if card(picture, ui, path) {
+                    action = Some(Action::Open(OpenFrom::File(path.clone())));
                 }
             }
         });
     });
+    action
 }
 
 /// A recent file: its small picture and its name. True once it is clicked.
-fn card(app: &App, ui: &mut Ui, path: &Path) -> bool {
+fn card(texture: Option<&TextureHandle>, ui: &mut Ui, path: &Path) -> bool {
     let colors = theme::palette(ui.ctx());
     let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let picture = Rect::from_min_size(rect.min, vec2(CARD.x, CARD.y - 22.0));
     ui.painter().rect_filled(picture, theme::RADIUS, colors.panel);
-    if let Some((_, texture)) = app.thumbnails.iter().find(|(of, _)| of == path) {
+    if let Some(texture) = texture {
         let uv = widgets::covering(texture.size_vec2(), picture.size());
         widgets::picture(ui.painter(), texture.id(), picture, uv, 1.0);
     }
@@ -94,7 +102,7 @@ fn dashed(ui: &Ui, area: Rect) {
 }
 
 /// While a file is dragged over the window: the whole of it is the target.
-pub fn drop_hint(app: &App, ui: &Ui, all: Rect) {
+pub fn drop_hint(is_open: bool, ui: &Ui, all: Rect) {
     if ui.input(|input| input.raw.hovered_files.is_empty()) {
         return;
     }
@@ -102,6 +110,6 @@ pub fn drop_hint(app: &App, ui: &Ui, all: Rect) {
     let painter = ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
     painter.rect_filled(all, 0, theme::VEIL);
     painter.rect_stroke(all.shrink(12.0), 10, (2.0, colors.accent), StrokeKind::Inside);
-    let text = if app.picture_size().is_some() { "Drop to open instead" } else { "Drop to open" };
+    let text = if is_open { "Drop to open instead" } else { "Drop to open" };
     painter.text(all.center(), Align2::CENTER_CENTER, text, theme::title(22.0), theme::ON_VEIL);
 }

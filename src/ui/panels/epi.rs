@@ -1,48 +1,65 @@
 //! Epipolar images in line with the picture: the row's under it, the column's beside it.
 
-use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
+use egui::{Align2, Painter, Rect, Ui, Vec2, pos2, vec2};
 
 use crate::field::{EpiLine, ViewGrid, ViewIndex};
 use crate::render::gpu::Draw;
-use crate::ui::app::App;
-use crate::ui::stage::Slot;
+use crate::scene::Edit;
+use crate::ui::field_pictures::{FieldPictures, Slot};
+use crate::ui::look::Look;
+use crate::ui::open::Open;
 use crate::ui::{theme, widgets};
 
 /// Pixels that a view is thick in the texture.
 const SCALE: u32 = 4;
 
+/// What the epipolar images show.
+pub struct Epis<'a> {
+    /// What is open.
+    pub open: &'a Open,
+    /// Where the eye is.
+    pub edit: &'a Edit,
+    /// Where the picture lies, and the probe.
+    pub look: &'a Look,
+    /// The images on the device.
+    pub pictures: Option<&'a mut FieldPictures>,
+}
+
 /// Draws the row's image, the column's, and the slope in the corner between them.
-pub fn show(app: &mut App, ui: &Ui, [row, column, corner]: [Rect; 3]) {
+pub fn show(shown: Epis, ui: &Ui, [row, column, corner]: [Rect; 3]) {
+    let Epis { open, edit, look, pictures } = shown;
     let colors = theme::palette(ui.ctx());
     for rect in [row, column, corner] {
         ui.painter().rect_filled(rect, theme::PICTURE_RADIUS, colors.panel);
     }
+    let Some(pictures) = pictures else { return };
     // What has arrived is shown before the light field is complete.
-    let arrived = app.stage.as_ref().and_then(|stage| stage.shape());
-    let (Some(size), Some(view), Some((grid, [w, h]))) = (app.picture_size(), app.nearest_view(), arrived) else {
+    let arrived = pictures.shape();
+    let (Some(size), Some(view), Some((grid, [w, h]))) =
+        (open.picture_size(), open.nearest_view(edit.viewpoint), arrived)
+    else {
         return;
     };
-    let picture = app.pose.screen_rect(app.canvas, size);
+    let picture = look.pose.screen_rect(look.canvas, size);
     let inside = |p: f32, n: u32| ((p * n as f32) as u32).min(n - 1);
-    let (x, y) = (inside(app.probe.x, w), inside(app.probe.y, h));
+    let (x, y) = (inside(look.probe.x, w), inside(look.probe.y, h));
     let lines = [
         (row, Slot::EpiRow, EpiLine::Row { y, v: view.v }),
         (column, Slot::EpiColumn, EpiLine::Column { x, u: view.u }),
     ];
     for (rect, slot, line) in lines {
-        let Some(stage) = &mut app.stage else { return };
-        let Some(id) = stage.show(slot, Draw::Epi { line, scale: SCALE }) else { continue };
+        let Some(id) = pictures.show(slot, Draw::Epi { line, scale: SCALE }) else { continue };
         let (on_screen, uv) = in_line(rect, picture, slot == Slot::EpiRow);
         widgets::picture(ui.painter(), id, on_screen, uv, 1.0);
     }
-    let disparity = app.document.disparity_at(view, [app.probe.x, app.probe.y]);
-    slope_lines(app, ui, [row, column], picture, (grid, w, view), disparity);
+    let disparity = open.disparity_at(Some(view), look.probe);
+    slope_lines(look.probe, ui, [row, column], picture, (grid, w, view), disparity);
     let photo_line = |p: f32, n: f32| (p * n) as u32;
     widgets::veil_label(
         ui,
         row.left_top() + vec2(6.0, 6.0),
         Align2::LEFT_TOP,
-        &format!("EPI u · row {}", photo_line(app.probe.y, size.y)),
+        &format!("EPI u · row {}", photo_line(look.probe.y, size.y)),
     );
     widgets::veil_label(ui, column.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP, "EPI v");
     if let Some(disparity) = disparity {
@@ -71,7 +88,7 @@ fn in_line(strip: Rect, picture: Rect, is_row: bool) -> (Rect, Rect) {
 
 /// The probe's point as it runs through the views: `x_u = x − (u − u0)·D` ([`crate::field`]).
 fn slope_lines(
-    app: &App,
+    probe: Vec2,
     ui: &Ui,
     [row, column]: [Rect; 2],
     picture: Rect,
@@ -79,7 +96,7 @@ fn slope_lines(
     disparity: Option<f32>,
 ) {
     let Some(disparity) = disparity else { return };
-    let at = picture.min + app.probe * picture.size();
+    let at = picture.min + probe * picture.size();
     let per_px = picture.width() / width as f32;
     let along = |center: f32, steps: f32| center - steps * disparity * per_px;
     let accent = theme::palette(ui.ctx()).accent;

@@ -3,44 +3,73 @@
 use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
 use super::source;
-use crate::field::{FNumber, LensShape, ViewGrid, ViewIndex};
+use super::strip::{self, Views};
+use crate::field::{FNumber, Lens, LensShape, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::render::cpu::Colormap;
 use crate::render::gpu::Draw;
+use crate::scene::Edit;
 use crate::ui::action::Action;
-use crate::ui::app::App;
-use crate::ui::stage::Slot;
-use crate::ui::state::Edit;
+use crate::ui::command::Command;
+use crate::ui::field_pictures::{FieldPictures, Slot};
+use crate::ui::open::Open;
+use crate::ui::rays::Survey;
+use crate::ui::settings::Settings;
 use crate::ui::theme::{self, GRID};
 use crate::ui::widgets::{self, Number};
 
 const STRIP_HEIGHT: f32 = 96.0;
 
+/// What the inspector shows and sets.
+pub struct Inspector<'a> {
+    /// What is open.
+    pub open: &'a Open,
+    /// Lens and viewpoint.
+    pub edit: &'a mut Edit,
+    /// Whether the viewpoint goes round.
+    pub is_circling: &'a mut bool,
+    /// Colours, marks, the source of ray depths.
+    pub settings: &'a mut Settings,
+    /// Further models that ray depths can come from.
+    pub models: &'a [String],
+    /// Views and ray depths on the device.
+    pub pictures: Option<&'a mut FieldPictures>,
+}
+
 /// Draws the inspector.
-pub fn show(app: &mut App, ui: &mut Ui) {
+pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
+    let Inspector { open, edit, is_circling, settings, models, mut pictures } = shown;
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
-    super::inside(ui, body, |ui| {
+    let mut actions = Vec::new();
+    widgets::inside(ui, body, |ui| {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             Frame::new().inner_margin(Margin::symmetric(16, 14)).show(ui, |ui| {
                 ui.set_width(theme::INSPECTOR_WIDTH - 32.0);
-                lens(app, ui);
-                viewpoint(app, ui);
-                ray_depths(app, ui);
-                source::source(app, ui);
-                source::light_field(app, ui);
+                let before = open.lens(edit);
+                let mut after = before;
+                lens(&mut after, &mut settings.peaking, ui);
+                open.turn(edit, &before, &after);
+                if let Some(grid) = open.grid() {
+                    let eye = Eye { grid, at: &mut edit.viewpoint, is_circling };
+                    actions.extend(viewpoint(eye, open.rays().map(|rays| &*rays.survey), ui));
+                }
+                actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
+                actions.extend(source::source(open, &settings.source, models, ui));
+                actions.extend(source::light_field(open, ui));
             });
         });
     });
     ui.painter().hline(strip.x_range().shrink(16.0), strip.top(), (1.0, theme::palette(ui.ctx()).control));
-    super::inside(ui, strip, |ui| super::strip::show(app, ui));
+    if let Some(views) = Views::new(open, edit.viewpoint, pictures.as_deref()) {
+        actions.extend(widgets::inside(ui, strip, |ui| strip::show(&views, ui)));
+    }
+    actions
 }
 
-fn lens(app: &mut App, ui: &mut Ui) {
-    let lens = &mut app.edit.lens;
-    let shape_now = lens.shape;
-    let mut shape = shape_now;
-    let peaking = &mut app.settings.peaking;
+fn lens(lens: &mut Lens, peaking: &mut bool, ui: &mut Ui) {
+    let mut shape = lens.shape;
+    let before = shape;
     widgets::section(
         ui,
         "Lens",
@@ -50,11 +79,11 @@ fn lens(app: &mut App, ui: &mut Ui) {
             ui.add_space(GRID);
             focus(ui, lens);
             shape_numbers(ui, &mut lens.shape);
-            widgets::switch(ui, "Focus peaking", peaking, &Action::Peaking.tip(ui.ctx()));
+            widgets::switch(ui, "Focus peaking", peaking, &Command::Peaking.tip(ui.ctx()));
         },
     );
-    if shape != shape_now {
-        app.edit.lens.shape = shape;
+    if shape != before {
+        lens.shape = shape;
     }
 }
 
@@ -144,7 +173,7 @@ fn aperture(ui: &mut Ui, f: &mut FNumber) {
     }
 }
 
-fn focus(ui: &mut Ui, lens: &mut crate::field::Lens) {
+fn focus(ui: &mut Ui, lens: &mut Lens) {
     let number = |label, range, hint| Number {
         label,
         range,
@@ -206,8 +235,13 @@ fn shape_numbers(ui: &mut Ui, shape: &mut LensShape) {
         LensShape::Disc | LensShape::Square => {}
         LensShape::Blades { count, rotation_deg, roundness } => {
             let mut blades = f32::from(*count);
-            let spec =
-                Number { range: [5.0, 9.0], speed: 0.05, decimals: 0, reset: 6.0, ..part("Blades", "Straight edges") };
+            let spec = Number {
+                range: LensShape::BLADES.map(f32::from),
+                speed: 0.05,
+                decimals: 0,
+                reset: 6.0,
+                ..part("Blades", "Straight edges")
+            };
             if widgets::number(ui, &mut blades, &spec) {
                 *count = blades.round() as u8;
             }
@@ -231,32 +265,34 @@ fn shape_numbers(ui: &mut Ui, shape: &mut LensShape) {
     }
 }
 
-fn viewpoint(app: &mut App, ui: &mut Ui) {
-    let Some(grid) = app.document.grid() else { return };
+/// Where the eye is among the views.
+struct Eye<'a> {
+    grid: ViewGrid,
+    at: &'a mut ViewPoint,
+    is_circling: &'a mut bool,
+}
+
+fn viewpoint(mut eye: Eye, survey: Option<&Survey>, ui: &mut Ui) -> Option<Action> {
     let ctx = ui.ctx().clone();
-    let mut action = None;
-    let centre = |ui: &mut Ui, action: &mut Option<Action>| {
-        if widgets::link(ui, "centre ↺").on_hover_text(Action::ResetViewpoint.tip(&ctx)).clicked() {
-            *action = Some(Action::ResetViewpoint);
-        }
+    let link = |ui: &mut Ui, label: &str, command: Command| {
+        let is_clicked = widgets::link(ui, label).on_hover_text(command.tip(&ctx)).clicked();
+        is_clicked.then_some(Action::Do(command))
     };
-    let mut beside = None;
+    let (mut action, mut beside) = (None, None);
     widgets::section(
         ui,
         "Viewpoint",
-        |ui| centre(ui, &mut beside),
+        |ui| beside = link(ui, "centre ↺", Command::ResetViewpoint),
         |ui| {
             ui.horizontal_top(|ui| {
-                pad(app, ui, grid);
+                pad(&mut eye, survey, ui);
                 ui.add_space(2.0 * GRID);
                 ui.vertical(|ui| {
                     ui.set_width(ui.available_width());
-                    coordinates(app, ui, grid);
+                    coordinates(&mut eye, ui);
                     ui.add_space(GRID);
-                    let label = if app.is_circling { "stop circle" } else { "▶ circle" };
-                    if widgets::link(ui, label).on_hover_text(Action::Circle.tip(&ctx)).clicked() {
-                        action = Some(Action::Circle);
-                    }
+                    let label = if *eye.is_circling { "stop circle" } else { "▶ circle" };
+                    action = link(ui, label, Command::Circle);
                     ui.add_space(GRID);
                     let weak = theme::palette(&ctx).weak;
                     ui.label(RichText::new("drag the picture\nto look round").small().color(weak));
@@ -264,15 +300,13 @@ fn viewpoint(app: &mut App, ui: &mut Ui) {
             });
         },
     );
-    if let Some(action) = action.or(beside) {
-        app.apply(action, &ctx);
-    }
+    action.or(beside)
 }
 
-fn coordinates(app: &mut App, ui: &mut Ui, grid: ViewGrid) {
+fn coordinates(eye: &mut Eye, ui: &mut Ui) {
+    let Eye { grid, at, .. } = eye;
     let [lo, hi] = [ViewIndex { v: 0, u: 0 }, ViewIndex { v: grid.rows() as u8 - 1, u: grid.cols() as u8 - 1 }];
     let (lo, hi) = (grid.offset(lo), grid.offset(hi));
-    let Edit { viewpoint, .. } = &mut app.edit;
     let spec = |label, range| Number {
         label,
         range,
@@ -283,12 +317,13 @@ fn coordinates(app: &mut App, ui: &mut Ui, grid: ViewGrid) {
         reset: 0.0,
         hint: "Steps from where the photo was taken",
     };
-    widgets::number(ui, &mut viewpoint.0.du, &spec("u", [lo.du, hi.du]));
-    widgets::number(ui, &mut viewpoint.0.dv, &spec("v", [lo.dv, hi.dv]));
+    widgets::number(ui, &mut at.0.du, &spec("u", [lo.du, hi.du]));
+    widgets::number(ui, &mut at.0.dv, &spec("v", [lo.dv, hi.dv]));
 }
 
 /// One cell a view: the brighter, the less of it was invented; amber where the eye is.
-fn pad(app: &mut App, ui: &mut Ui, grid: ViewGrid) {
+fn pad(eye: &mut Eye, survey: Option<&Survey>, ui: &mut Ui) {
+    let grid = eye.grid;
     let colors = theme::palette(ui.ctx());
     let most = grid.rows().max(grid.cols()) as f32;
     let pitch = (128.0 / most).clamp(8.0, 18.0).floor();
@@ -298,23 +333,23 @@ fn pad(app: &mut App, ui: &mut Ui, grid: ViewGrid) {
     let zero = grid.reference();
     if let Some(at) = response.interact_pointer_pos() {
         let place = (at - rect.min) / pitch - vec2(0.5, 0.5);
-        app.is_circling = false;
+        *eye.is_circling = false;
         let is_free = ui.input(|input| input.modifiers.shift);
         let step = |p: f32, zero: u8| if is_free { p - f32::from(zero) } else { p.round() - f32::from(zero) };
-        app.look_from(crate::field::ViewOffset { dv: step(place.y, zero.v), du: step(place.x, zero.u) });
+        *eye.at = ViewPoint(grid.clamp(ViewOffset { dv: step(place.y, zero.v), du: step(place.x, zero.u) }));
     }
-    let here = grid.nearest(app.edit.viewpoint.0);
+    let here = grid.nearest(eye.at.0);
     for view in grid.views() {
         let min = rect.min + vec2(f32::from(view.u), f32::from(view.v)) * pitch;
         let cell = Rect::from_min_size(min, vec2(pitch, pitch)).shrink(1.0);
-        let seen = app.document.survey.as_ref().and_then(|survey| survey.seen.get(grid.layer_from_view(view)).copied());
+        let seen = survey.and_then(|survey| survey.seen.get(grid.layer_from_view(view)).copied());
         // Half a view invented is as dark as it gets.
         let share = seen.map_or(0.3, |seen| ((seen - 0.5) * 2.0).clamp(0.0, 1.0));
         let color = if view == here { colors.accent } else { mixed(colors.control, colors.bar, share) };
         ui.painter().rect_filled(cell, 2, color);
     }
-    let eye = app.edit.viewpoint.0.to_vec2();
-    let at = rect.min + vec2(eye.x + f32::from(zero.u) + 0.5, eye.y + f32::from(zero.v) + 0.5) * pitch;
+    let at = eye.at.0.to_vec2();
+    let at = rect.min + vec2(at.x + f32::from(zero.u) + 0.5, at.y + f32::from(zero.v) + 0.5) * pitch;
     ui.painter().circle(at, 2.5, colors.strong, (1.0, colors.panel));
     response.on_hover_text(
         "Click or drag: where the eye is. Brighter cells hold less that was invented. Shift: between views",
@@ -325,12 +360,17 @@ fn mixed(a: Color32, b: Color32, t: f32) -> Color32 {
     a.lerp_to_gamma(b, t)
 }
 
-fn ray_depths(app: &mut App, ui: &mut Ui) {
-    let (Some(view), Some(survey), Some(size)) = (app.nearest_view(), app.document.survey.clone(), app.picture_size())
-    else {
-        return;
-    };
-    let mut map = app.settings.colormap;
+fn ray_depths(
+    open: &Open,
+    eye: ViewPoint,
+    colormap: &mut Colormap,
+    pictures: Option<&mut FieldPictures>,
+    ui: &mut Ui,
+) -> Option<Action> {
+    let (view, rays, size) = (open.nearest_view(eye)?, open.rays()?, open.picture_size()?);
+    let (mut map, range) = (*colormap, rays.survey.range_px);
+    let draw = Draw::Depth { view, range, map };
+    let mut action = None;
     widgets::section(
         ui,
         "Ray depths",
@@ -340,20 +380,19 @@ fn ray_depths(app: &mut App, ui: &mut Ui) {
             let height = (width * size.y / size.x).min(150.0);
             let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Ray depths picture"));
-            let draw = Draw::Depth { view, range: survey.range_px, map: app.settings.colormap };
-            if let Some(id) = app.stage.as_mut().and_then(|stage| stage.show(Slot::Depth, draw)) {
+            if let Some(id) = pictures.and_then(|pictures| pictures.show(Slot::Depth, draw)) {
                 // The middle of the map, so that nothing is squeezed.
                 let cut = (1.0 - height / (width * size.y / size.x)) / 2.0;
                 let uv = Rect::from_min_max(pos2(0.0, cut), pos2(1.0, 1.0 - cut));
                 widgets::picture(ui.painter(), id, rect, uv, 1.0);
             }
-            if response.on_hover_text(Action::Depths.tip(ui.ctx())).clicked() {
-                app.face = crate::ui::state::Face::Depths;
+            if response.on_hover_text(Command::Depths.tip(ui.ctx())).clicked() {
+                action = Some(Action::Do(Command::Depths));
             }
             let colors = theme::palette(ui.ctx());
             let (row, _) = ui.allocate_exact_size(vec2(width, 16.0), Sense::hover());
             let y = row.center().y;
-            let [far, near] = survey.range_px.map(|d| widgets::signed(d, 2));
+            let [far, near] = range.map(|d| widgets::signed(d, 2));
             let texts = [
                 (pos2(row.left(), y), Align2::LEFT_CENTER, format!("far {far}")),
                 (pos2(row.center().x, y), Align2::CENTER_CENTER, "px/view".to_owned()),
@@ -364,10 +403,11 @@ fn ray_depths(app: &mut App, ui: &mut Ui) {
             }
         },
     );
-    app.settings.colormap = map;
+    *colormap = map;
+    action
 }
 
-pub(super) fn colormap_menu(ui: &mut Ui, map: &mut Colormap) {
+fn colormap_menu(ui: &mut Ui, map: &mut Colormap) {
     let text = RichText::new(format!("{} ▼", map.label())).small().color(theme::palette(ui.ctx()).weak);
     ui.menu_button(text, |ui| {
         for choice in Colormap::ALL {

@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use egui::{Context, RichText};
 
-use crate::ui::app::{App, Dialog};
-use crate::ui::jobs::From;
+use crate::ui::action::Action;
+use crate::ui::dialog::Dialog;
+use crate::ui::jobs::OpenFrom;
 use crate::ui::{theme, widgets};
 
 /// Names that are listed.
 const LISTED: usize = 6;
 
-/// Draws the question; false once it is answered.
-pub fn show(app: &mut App, ctx: &Context, files: &[PathBuf]) -> bool {
+/// Draws the question.
+pub fn show(files: &[PathBuf], ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
-    let mut is_open = true;
-    let mut exports = false;
+    let mut actions = Vec::new();
     let modal = widgets::modal(ctx, "many");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(420.0);
@@ -30,23 +30,20 @@ pub fn show(app: &mut App, ctx: &Context, files: &[PathBuf]) -> bool {
         ui.label(RichText::new(names.join(", ")).color(colors.weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::main_button(ui, "Open the first").clicked() {
-                if let Some(first) = files.first() {
-                    app.open(From::File(first.clone()));
-                }
-                is_open = false;
+                actions.push(Action::CloseDialog);
+                actions.extend(files.first().map(|first| Action::Open(OpenFrom::File(first.clone()))));
             }
             let hint = "Each one becomes a light field and is written with the lens that is set now";
             if widgets::button(ui, "Export all…").on_hover_text(hint).clicked() {
-                exports = true;
+                actions.push(Action::Show(Dialog::Export(files.to_vec())));
             }
             if widgets::button(ui, "Cancel").clicked() {
-                is_open = false;
+                actions.push(Action::CloseDialog);
             }
         });
     });
-    if exports {
-        app.export_photos(files.to_vec());
-        return app.dialog == Some(Dialog::Export);
+    if shown.should_close() {
+        actions.push(Action::CloseDialog);
     }
-    is_open && !shown.should_close()
+    actions
 }

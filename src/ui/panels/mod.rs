@@ -4,24 +4,40 @@ mod canvas;
 mod depths;
 mod empty;
 mod epi;
+mod export;
 mod inspector;
-pub mod many;
-pub mod path_box;
-pub mod queue;
+mod many;
+mod near_end;
+mod path_box;
+mod queue;
 mod ruler;
-pub mod settings;
-pub mod sheet;
+mod settings;
+mod sheet;
 mod source;
 mod status;
 mod strip;
 mod top_bar;
 mod views;
 
-use egui::{Rect, Ui, UiBuilder, pos2};
+use egui::{Context, Rect, Ui, pos2, vec2};
 
-use super::app::App;
-use super::state::Face;
+use super::action::Action;
+use super::apply;
+use super::dialog::Dialog;
+use super::look::Face;
+use super::open::Open;
 use super::theme;
+use super::widgets::{inside, panel};
+use super::window::Window;
+use canvas::Canvas;
+use depths::Depths;
+use epi::Epis;
+use export::Export;
+use inspector::Inspector;
+use ruler::Ruler;
+use status::Status;
+use strip::Views;
+use top_bar::TopBar;
 
 const TOP_HEIGHT: f32 = 44.0;
 const STATUS_HEIGHT: f32 = 26.0;
@@ -30,69 +46,127 @@ const MARGIN: f32 = 10.0;
 const GAP: f32 = 6.0;
 
 /// Draws the whole window.
-pub fn layout(app: &mut App, ui: &mut Ui) {
+pub fn layout(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
     let all = ui.max_rect();
     let colors = theme::palette(ui.ctx());
     let is_narrow = all.width() < theme::NARROW_WIDTH;
-    let is_empty = app.picture_size().is_none();
     let top = Rect::from_min_max(all.min, pos2(all.right(), all.top() + TOP_HEIGHT));
     let status = Rect::from_min_max(pos2(all.left(), all.bottom() - STATUS_HEIGHT), all.max);
     let mut main = Rect::from_min_max(top.left_bottom(), status.right_top());
+    let mut actions = Vec::new();
 
-    if !is_empty {
-        let is_shown = if is_narrow { app.is_drawer_open } else { app.settings.has_inspector };
+    if window.open.document().is_some() {
+        let is_shown = if is_narrow { window.look.is_drawer_open } else { window.settings.has_inspector };
         let side = Rect::from_min_max(pos2(main.right() - theme::INSPECTOR_WIDTH, main.top()), main.max);
         // A drawer lies over the canvas, so it is drawn last; a panel has its own room.
         if is_shown && !is_narrow {
             main.max.x = side.left();
         }
-        picture_area(app, ui, main, is_narrow);
+        actions.extend(picture_area(window, ui, main, is_narrow));
         if is_shown {
-            panel(ui, side, colors.panel, |ui| inspector::show(app, ui));
+            actions.extend(panel(ui, side, colors.panel, |ui| inspector(window, ui)));
         }
     } else {
-        inside(ui, main, |ui| empty::show(app, ui));
+        let (recent, thumbnails) = (&window.settings.recent, &window.thumbnails);
+        actions.extend(inside(ui, main, |ui| empty::show(recent, thumbnails, ui)));
     }
-    panel(ui, top, colors.panel, |ui| top_bar::show(app, ui, is_narrow));
-    inside(ui, status, |ui| status::show(app, ui));
-    empty::drop_hint(app, ui, all);
+    actions.extend(panel(ui, top, colors.panel, |ui| top_bar(window, ui, is_narrow)));
+    actions.extend(inside(ui, status, |ui| status_line(window, ui)));
+    empty::drop_hint(window.open.document().is_some(), ui, all);
+    actions
 }
 
 /// Picture, epipolar images and ruler.
-fn picture_area(app: &mut App, ui: &mut Ui, area: Rect, is_narrow: bool) {
+fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -> Vec<Action> {
     let colors = theme::palette(ui.ctx());
     let ruler = Rect::from_min_max(pos2(area.left(), area.bottom() - RULER_HEIGHT), area.max);
     let work = Rect::from_min_max(area.min, pos2(area.right(), ruler.top())).shrink(MARGIN);
-    let has_epis = !is_narrow && app.face == Face::Picture;
-    let canvas = if has_epis {
-        let room = theme::EPI_THICKNESS + GAP;
-        Rect::from_min_max(work.min, work.max - egui::vec2(room, room))
-    } else {
-        work
-    };
-    app.canvas = canvas;
-    match app.face {
-        Face::Picture => inside(ui, canvas, |ui| canvas::show(app, ui, canvas)),
-        Face::Views => inside(ui, canvas, |ui| views::show(app, ui, canvas)),
-        Face::Depths => inside(ui, canvas, |ui| depths::show(app, ui, canvas)),
-    }
+    let has_epis = !is_narrow && window.look.face == Face::Picture;
+    let room = if has_epis { theme::EPI_THICKNESS + GAP } else { 0.0 };
+    let canvas = Rect::from_min_max(work.min, work.max - vec2(room, room));
+    window.look.canvas = canvas;
+    let mut actions = inside(ui, canvas, |ui| face(window, ui, canvas));
     if has_epis {
         let row = Rect::from_min_max(pos2(canvas.left(), canvas.bottom() + GAP), pos2(canvas.right(), work.bottom()));
         let column = Rect::from_min_max(pos2(canvas.right() + GAP, canvas.top()), pos2(work.right(), canvas.bottom()));
         let corner = Rect::from_min_max(pos2(column.left(), row.top()), work.max);
-        inside(ui, work, |ui| epi::show(app, ui, [row, column, corner]));
+        let Window { open, edit, look, pictures, .. } = window;
+        let epis = Epis { open, edit, look, pictures: pictures.as_mut() };
+        inside(ui, work, |ui| epi::show(epis, ui, [row, column, corner]));
     }
-    panel(ui, ruler, colors.panel, |ui| ruler::show(app, ui));
+    let before = window.open.lens(&window.edit);
+    let mut after = before;
+    let shown = Ruler {
+        survey: window.open.rays().map(|rays| &*rays.survey),
+        lens: &mut after,
+        hovered_px: window.look.hovered_px,
+        is_loading: window.loading.running().is_some(),
+    };
+    actions.extend(panel(ui, ruler, colors.panel, |ui| ruler::show(shown, ui)));
+    window.open.turn(&mut window.edit, &before, &after);
+    actions
 }
 
-fn panel(ui: &mut Ui, rect: Rect, fill: egui::Color32, add: impl FnOnce(&mut Ui)) {
-    ui.painter().rect_filled(rect, 0, fill);
-    inside(ui, rect, add);
+/// The picture's present face.
+fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
+    let Window { open, edit, look, pictures, photo, rest, settings, .. } = window;
+    let pictures = pictures.as_mut();
+    match look.face {
+        Face::Picture => {
+            let (photo, has_peaks) = (photo.as_mut(), settings.peaking);
+            canvas::show(Canvas { open, edit, look, pictures, photo, rest, has_peaks }, ui, area);
+        }
+        Face::Views => {
+            let views = Views::new(open, edit.viewpoint, pictures.as_deref());
+            return views.map_or_else(Vec::new, |views| views::show(&views, ui, area));
+        }
+        Face::Depths => {
+            depths::show(Depths { open, edit, look, pictures, colormap: settings.colormap }, ui, area);
+        }
+    }
+    Vec::new()
 }
 
-fn inside(ui: &mut Ui, rect: Rect, add: impl FnOnce(&mut Ui)) {
-    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
-        ui.set_clip_rect(rect.intersect(ui.clip_rect()));
-        add(ui);
-    });
+fn inspector(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
+    let Window { open, edit, look, pictures, settings, models, .. } = window;
+    let (pictures, is_circling) = (pictures.as_mut(), &mut look.is_circling);
+    inspector::show(Inspector { open, edit, is_circling, settings, models, pictures }, ui)
+}
+
+fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {
+    let possible = apply::possible(window);
+    let Window { open, look, settings, .. } = window;
+    let (document, recent) = (open.document(), &settings.recent);
+    top_bar::show(TopBar { document, look, possible: &possible, recent, is_narrow }, ui)
+}
+
+fn status_line(window: &Window, ui: &Ui) -> Option<Action> {
+    let Window { open, queue, look, threads, .. } = window;
+    let drawn_by = window.pictures.as_ref().map_or("no device", |pictures| pictures.adapter.as_str());
+    status::show(&Status { open, loading: window.loading.running(), queue, look, drawn_by, threads: *threads }, ui)
+}
+
+/// Draws the dialog that is open.
+pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
+    let Window { open, edit, settings, dialog, .. } = window;
+    match dialog {
+        None => Vec::new(),
+        Some(Dialog::Export(photos)) => {
+            export::show(Export { settings: &mut settings.export, photos, open, edit }, ctx)
+        }
+        Some(Dialog::Shortcuts) => sheet::show(ctx),
+        Some(Dialog::Settings) => settings::show(settings, ctx),
+        Some(Dialog::Path(wanted, text)) => path_box::show(*wanted, text, ctx),
+        Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),
+        Some(Dialog::Many(files)) => many::show(files, ctx),
+    }
+}
+
+/// Draws the queue over the canvas's lower right corner, while it is open.
+pub fn queue(window: &mut Window, ctx: &Context) -> Vec<Action> {
+    let corner = match window.open {
+        Open::Nothing => ctx.content_rect().right_bottom() - vec2(44.0, 70.0),
+        _ => window.look.canvas.right_bottom() - vec2(8.0, 8.0),
+    };
+    queue::show(&mut window.queue, corner, ctx)
 }

@@ -1,16 +1,21 @@
 //! A box for a path, where the system shows no file dialogs.
 
+use std::path::PathBuf;
+
 use egui::{Context, RichText};
 
-use crate::ui::app::{App, Dialog};
-use crate::ui::dialogs::{PathFor, path_from_text};
+use crate::ui::action::Action;
+use crate::ui::ask::{Ask, PathFor};
+use crate::ui::dialog::Dialog;
+use crate::ui::dialogs::path_from_text;
+use crate::ui::jobs::OpenFrom;
 use crate::ui::{theme, widgets};
 
-/// Draws the box; false once it is to be closed.
-pub fn show(app: &mut App, ctx: &Context, wanted: PathFor, mut text: String) -> bool {
+/// Draws the box.
+pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
     let mut is_open = true;
-    let mut used = None;
+    let mut actions = Vec::new();
     let modal = widgets::modal(ctx, "path");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(440.0);
@@ -25,17 +30,16 @@ pub fn show(app: &mut App, ctx: &Context, wanted: PathFor, mut text: String) -> 
         let line = format!("The system shows no file dialog here. Type or paste the path of {what}");
         ui.label(RichText::new(line).color(colors.weak));
         let edit =
-            ui.add(egui::TextEdit::singleline(&mut text).hint_text("/home/me/photo.jpg").desired_width(f32::INFINITY));
+            ui.add(egui::TextEdit::singleline(text).hint_text("/home/me/photo.jpg").desired_width(f32::INFINITY));
         edit.request_focus();
         let is_enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::main_button(ui, verb).clicked() || is_enter {
-                match path_from_text(&text) {
-                    Some(path) => {
-                        used = Some(path);
-                        is_open = false;
-                    }
-                    None => app.toasts.error("could not open — that is no path of a file — begin it with / or ~"),
+                match path_from_text(text) {
+                    // What the path is for may ask something else.
+                    Some(path) => actions.extend([Action::CloseDialog, action(wanted, path)]),
+                    None => actions
+                        .push(Action::Refuse("could not open — that is no path of a file — begin it with / or ~")),
                 }
             }
             if widgets::button(ui, "Cancel").clicked() {
@@ -43,13 +47,18 @@ pub fn show(app: &mut App, ctx: &Context, wanted: PathFor, mut text: String) -> 
             }
         });
     });
-    app.dialog = Some(Dialog::Path(wanted, text));
-    let stays = is_open && !shown.should_close();
-    if let Some(path) = used {
-        app.dialog = None;
-        app.use_path(wanted, path);
-        // What the path was for may ask something else.
-        return app.dialog.is_some();
+    if !is_open || shown.should_close() {
+        actions.push(Action::CloseDialog);
     }
-    stays
+    actions
+}
+
+/// What a typed path is for.
+fn action(wanted: PathFor, path: PathBuf) -> Action {
+    match wanted {
+        PathFor::Open => Action::Open(OpenFrom::File(path)),
+        PathFor::Export => Action::Show(Dialog::Export(vec![path])),
+        PathFor::DepthMap => Action::Ask(Ask::ReadDepthMap(path)),
+        PathFor::Models => Action::UseModels(path),
+    }
 }

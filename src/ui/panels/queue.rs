@@ -3,8 +3,8 @@
 use egui::{Align, Align2, Context, Frame, Layout, Margin, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 
 use crate::ui::action::Action;
-use crate::ui::app::App;
-use crate::ui::queue::{State, Task};
+use crate::ui::command::Command;
+use crate::ui::queue::{Queue, State, Task};
 use crate::ui::toasts::show_in_folder;
 use crate::ui::worker::JobId;
 use crate::ui::{theme, widgets};
@@ -12,21 +12,14 @@ use crate::ui::{theme, widgets};
 const WIDTH: f32 = 380.0;
 const MOST_HEIGHT: f32 = 320.0;
 
-/// Draws the panel over the canvas's lower right corner, while it is open.
-pub fn show(app: &mut App, ctx: &Context) {
-    if !app.is_queue_open {
-        return;
+/// Draws the panel with its lower right corner at a place, while it is open.
+pub fn show(queue: &mut Queue, corner: egui::Pos2, ctx: &Context) -> Vec<Action> {
+    let mut actions = Vec::new();
+    if !queue.is_open {
+        return actions;
     }
     let colors = theme::palette(ctx);
-    let corner = match app.picture_size() {
-        Some(_) => app.canvas.right_bottom() - vec2(8.0, 8.0),
-        None => ctx.content_rect().right_bottom() - vec2(44.0, 70.0),
-    };
     let area = egui::Area::new(egui::Id::unique("queue")).pivot(Align2::RIGHT_BOTTOM).fixed_pos(corner);
-    let mut stopped = None;
-    let mut clears = false;
-    let mut closes = false;
-    let mut adds = false;
     area.order(egui::Order::Middle).show(ctx, |ui| {
         let frame = Frame::new().fill(colors.panel).stroke((1.0, colors.control)).corner_radius(8);
         frame.inner_margin(Margin::symmetric(14, 12)).show(ui, |ui| {
@@ -34,35 +27,30 @@ pub fn show(app: &mut App, ctx: &Context) {
             ui.horizontal(|ui| {
                 ui.label(RichText::new("Queue").font(theme::title(14.0)).color(colors.strong));
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    closes = widgets::link(ui, "Close").clicked();
-                    clears = widgets::link(ui, "Clear ended").clicked();
-                    adds = widgets::link(ui, "Add photos…").on_hover_text(Action::ExportPhotos.tip(ctx)).clicked();
+                    queue.is_open = !widgets::link(ui, "Close").clicked();
+                    if widgets::link(ui, "Clear ended").clicked() {
+                        queue.clear_ended();
+                    }
+                    if widgets::link(ui, "Add photos…").on_hover_text(Command::ExportPhotos.tip(ctx)).clicked() {
+                        actions.push(Action::Do(Command::ExportPhotos));
+                    }
                 });
             });
             ui.add_space(6.0);
-            if app.queue.tasks().is_empty() {
+            if queue.tasks().is_empty() {
                 ui.label(RichText::new("Nothing is being exported").color(colors.weak));
             }
             ScrollArea::vertical().max_height(MOST_HEIGHT).min_scrolled_height(MOST_HEIGHT).show(ui, |ui| {
-                for task in app.queue.tasks() {
-                    stopped = stopped.or(row(ui, task));
+                for task in queue.tasks() {
+                    actions.extend(row(ui, task).map(Action::StopTask));
                 }
             });
         });
     });
-    if app.queue.is_busy() {
+    if queue.is_busy() {
         ctx.request_repaint_after(std::time::Duration::from_millis(200));
     }
-    if let Some(job) = stopped {
-        app.stop_task(job);
-    }
-    if clears {
-        app.queue.clear_ended();
-    }
-    if adds {
-        app.apply(Action::ExportPhotos, ctx);
-    }
-    app.is_queue_open = !closes;
+    actions
 }
 
 /// One task; its job once a person wants it stopped.

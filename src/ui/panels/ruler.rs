@@ -2,35 +2,50 @@
 
 use egui::{Align2, CursorIcon, Rangef, Rect, Sense, Ui, pos2, vec2};
 
-use crate::ui::app::App;
-use crate::ui::document::Survey;
+use crate::field::Lens;
+use crate::ui::action::Action;
+use crate::ui::rays::Survey;
 use crate::ui::{theme, widgets};
 
-/// Draws the ruler and listens to drags.
-pub fn show(app: &mut App, ui: &mut Ui) {
+/// What the ruler shows and sets.
+pub struct Ruler<'a> {
+    /// How the rays are spread over depths; none before they are there.
+    pub survey: Option<&'a Survey>,
+    /// Focus, and what is kept sharp.
+    pub lens: &'a mut Lens,
+    /// The disparity under the pointer.
+    pub hovered_px: Option<f32>,
+    /// Whether something is being made.
+    pub is_loading: bool,
+}
+
+/// Draws the ruler and listens to drags; a double click asks for the subject.
+pub fn show(shown: Ruler, ui: &mut Ui) -> Option<Action> {
+    let Ruler { survey, lens, hovered_px, is_loading } = shown;
     let rect = ui.max_rect().shrink2(vec2(14.0, 10.0));
     let colors = theme::palette(ui.ctx());
     let top = rect.top() + 5.0;
     ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, "far", theme::small(), colors.weak);
     ui.painter().text(pos2(rect.right(), top), Align2::RIGHT_CENTER, "near", theme::small(), colors.weak);
-    let Some(survey) = app.document.survey.clone() else {
-        let text = if app.loading.is_some() { "ray depths are on their way" } else { "no ray depths" };
+    let Some(survey) = survey else {
+        let text = if is_loading { "ray depths are on their way" } else { "no ray depths" };
         ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, theme::small(), colors.weak);
-        return;
+        return None;
     };
     let bars = Rect::from_min_max(pos2(rect.left(), rect.top() + 14.0), pos2(rect.right(), rect.bottom() - 16.0));
     let scale = Scale { bars, range: survey.range_px };
     let hint = "depth ruler: drag to focus, drag the band's edges to keep more sharp";
     ui.painter().text(pos2(rect.center().x, top), Align2::CENTER_CENTER, hint, theme::small(), colors.weak);
     let is_shown = ui.ctx().animate_bool(ui.scope_id().with("ruler"), true);
-    drag_focus(app, ui, &scale);
-    band(app, ui, &scale);
-    histogram(app, ui, &survey, &scale, is_shown);
+    let action = drag_focus(&mut lens.focus.disparity_px, ui, &scale);
+    band(lens, ui, &scale);
+    histogram(lens, ui, survey, &scale, is_shown);
     ticks(ui, &scale);
-    handle(app, ui, &scale);
-    if let Some(hovered) = app.hovered_px {
+    handle(lens.focus.disparity_px, ui, &scale);
+    if let Some(hovered) = hovered_px {
         widgets::marker(ui.painter(), pos2(scale.x(hovered), bars.top() + 2.0), colors.strong);
     }
+    action
 }
 
 /// Disparities along the ruler.
@@ -50,32 +65,29 @@ impl Scale {
     }
 }
 
-fn drag_focus(app: &mut App, ui: &mut Ui, scale: &Scale) {
+fn drag_focus(focus: &mut f32, ui: &mut Ui, scale: &Scale) -> Option<Action> {
     let area = scale.bars.expand2(vec2(8.0, 8.0));
     let response = ui.interact(area, ui.scope_id().with("focus"), Sense::click_and_drag());
-    let focus = &mut app.edit.lens.focus.disparity_px;
     let value = f64::from(*focus);
     response.widget_info(|| egui::WidgetInfo::slider(true, value, "Focus"));
     if let Some(at) = response.interact_pointer_pos() {
         *focus = scale.disparity(at.x).clamp(scale.range[0], scale.range[1]);
     }
-    if response.double_clicked() {
-        app.focus_on_subject();
-    }
     if response.hovered() {
         let scroll = ui.input(|input| input.smooth_scroll_delta().y);
         let step = (scale.range[1] - scale.range[0]) / 4000.0;
-        app.edit.lens.focus.disparity_px += scroll * step;
+        *focus += scroll * step;
         ui.set_cursor_icon(CursorIcon::ResizeHorizontal);
     }
+    response.double_clicked().then_some(Action::FocusOnSubject)
 }
 
 /// What stays sharp: an amber veil whose edges can be dragged. Without a width its edges lie beside the handle.
-fn band(app: &mut App, ui: &mut Ui, scale: &Scale) {
+fn band(lens: &mut Lens, ui: &mut Ui, scale: &Scale) {
     let colors = theme::palette(ui.ctx());
-    let focus = app.edit.lens.focus.disparity_px;
+    let focus = lens.focus.disparity_px;
     let bars = scale.bars;
-    let keep = app.edit.lens.keep_sharp_px;
+    let keep = lens.keep_sharp_px;
     let sides = [(0, -1.0, "Keep sharp, far edge"), (1, 1.0, "Keep sharp, near edge")];
     let edges: [f32; 2] = [scale.x(focus + keep[0].min(0.0)), scale.x(focus + keep[1].max(0.0))];
     let area = Rect::from_x_y_ranges(Rangef::new(edges[0], edges[1]), bars.y_range());
@@ -89,7 +101,7 @@ fn band(app: &mut App, ui: &mut Ui, scale: &Scale) {
         response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(keep[side]), name));
         if response.dragged() {
             let by = response.drag_delta().x / bars.width() * (scale.range[1] - scale.range[0]);
-            let value = &mut app.edit.lens.keep_sharp_px[side];
+            let value = &mut lens.keep_sharp_px[side];
             *value = if side == 0 { (*value + by).min(0.0) } else { (*value + by).max(0.0) };
         }
         let is_lit = response.hovered() || response.dragged();
@@ -100,12 +112,12 @@ fn band(app: &mut App, ui: &mut Ui, scale: &Scale) {
     }
 }
 
-fn histogram(app: &App, ui: &Ui, survey: &Survey, scale: &Scale, opacity: f32) {
+fn histogram(lens: &Lens, ui: &Ui, survey: &Survey, scale: &Scale, opacity: f32) {
     let colors = theme::palette(ui.ctx());
     let bars = scale.bars;
     let step = bars.width() / Survey::BINS as f32;
-    let focus = app.edit.lens.focus.disparity_px;
-    let keep = app.edit.lens.keep_sharp_px;
+    let focus = lens.focus.disparity_px;
+    let keep = lens.keep_sharp_px;
     for (i, &share) in survey.bins.iter().enumerate() {
         let x = bars.left() + (i as f32 + 0.5) * step;
         let away = scale.disparity(x) - focus;
@@ -140,9 +152,8 @@ fn ticks(ui: &Ui, scale: &Scale) {
     }
 }
 
-fn handle(app: &App, ui: &Ui, scale: &Scale) {
+fn handle(focus: f32, ui: &Ui, scale: &Scale) {
     let colors = theme::palette(ui.ctx());
-    let focus = app.edit.lens.focus.disparity_px;
     let x = scale.x(focus);
     let bars = scale.bars;
     ui.painter().vline(x, Rangef::new(bars.top(), bars.bottom()), (2.0, colors.accent));

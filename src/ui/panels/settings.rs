@@ -2,16 +2,16 @@
 
 use egui::{Context, RichText, ThemePreference};
 
-use crate::ui::app::App;
-use crate::ui::dialogs::Ask;
+use crate::ui::action::Action;
+use crate::ui::ask::Ask;
+use crate::ui::settings::Settings;
 use crate::ui::{theme, widgets};
 
-/// Draws the dialog; false once it is to be closed.
-pub fn show(app: &mut App, ctx: &Context) -> bool {
+/// Draws the dialog.
+pub fn show(settings: &mut Settings, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
-    let before = (app.settings.long_side, app.settings.occlusion, app.settings.models_folder.clone());
-    let mut asks = false;
-    let mut is_open = true;
+    let before = (settings.long_side, settings.occlusion, settings.models_folder.clone());
+    let mut actions = Vec::new();
     let modal = widgets::modal(ctx, "settings");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(460.0);
@@ -23,31 +23,30 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
                 (ThemePreference::Light, "Light"),
                 (ThemePreference::System, "System"),
             ];
-            if widgets::segmented(ui, "Theme", &mut app.settings.theme, &themes) {
-                ctx.set_theme(app.settings.theme);
+            if widgets::segmented(ui, "Theme", &mut settings.theme, &themes) {
+                ctx.set_theme(settings.theme);
             }
         });
         widgets::labelled(ui, "Light field", |ui| {
             let sizes = [(270, "270 px"), (360, "360 px"), (540, "540 px"), (720, "720 px")];
-            widgets::segmented(ui, "Light field", &mut app.settings.long_side, &sizes);
+            widgets::segmented(ui, "Light field", &mut settings.long_side, &sizes);
         });
         widgets::labelled(ui, "Occlusions", |ui| {
-            ui.checkbox(&mut app.settings.occlusion, "Correct them by the second net");
+            ui.checkbox(&mut settings.occlusion, "Correct them by the second net");
         });
         widgets::labelled(ui, "Edits", |ui| {
             let hint = "A small file beside each photo: photo.jpg.plenoscope.json";
-            ui.checkbox(&mut app.settings.keeps_edits, "Keep them beside their photos").on_hover_text(hint);
+            ui.checkbox(&mut settings.keeps_edits, "Keep them beside their photos").on_hover_text(hint);
         });
         widgets::labelled(ui, "Models", |ui| {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if widgets::button(ui, "Choose…").clicked() {
-                    asks = true;
+                    actions.push(Action::Ask(Ask::Models));
                 }
-                if app.settings.models_folder.is_some() && widgets::button(ui, "Built-in").clicked() {
-                    app.settings.models_folder = None;
+                if settings.models_folder.is_some() && widgets::button(ui, "Built-in").clicked() {
+                    settings.models_folder = None;
                 }
-                let text = app
-                    .settings
+                let text = settings
                     .models_folder
                     .as_ref()
                     .map_or("those in the program".to_owned(), |folder| folder.display().to_string());
@@ -58,15 +57,15 @@ pub fn show(app: &mut App, ctx: &Context) -> bool {
         });
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::main_button(ui, "Done").clicked() {
-                is_open = false;
+                actions.push(Action::CloseDialog);
             }
         });
     });
-    if before != (app.settings.long_side, app.settings.occlusion, app.settings.models_folder.clone()) {
-        app.make_again();
+    if before != (settings.long_side, settings.occlusion, settings.models_folder.clone()) {
+        actions.push(Action::MakeAgain);
     }
-    if asks {
-        app.ask(Ask::Models);
+    if shown.should_close() {
+        actions.push(Action::CloseDialog);
     }
-    is_open && !shown.should_close()
+    actions
 }

@@ -2,11 +2,12 @@
 
 use egui::{Align2, Context, RichText, Sense, Ui, vec2};
 
-use crate::ui::action::{Action, MOUSE};
+use crate::ui::action::Action;
+use crate::ui::command::{Command, MOUSE};
 use crate::ui::{theme, widgets};
 
-/// Draws the sheet; false once it is to be closed.
-pub fn show(ctx: &Context) -> bool {
+/// Draws the sheet.
+pub fn show(ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
     let modal = widgets::modal(ctx, "shortcuts");
     let shown = modal.show(ctx, |ui| {
@@ -24,8 +25,8 @@ pub fn show(ctx: &Context) -> bool {
                 for (column, groups) in layout {
                     for group in groups {
                         head(&mut columns[column], group);
-                        for action in Action::of_group(group) {
-                            let spec = action.spec();
+                        for command in Command::of_group(group) {
+                            let spec = command.spec();
                             if let Some(keys) = spec.shortcut {
                                 line(&mut columns[column], spec.label, &ctx.format_shortcut(&keys));
                             }
@@ -35,7 +36,7 @@ pub fn show(ctx: &Context) -> bool {
             });
         });
     });
-    !shown.should_close()
+    if shown.should_close() { vec![Action::CloseDialog] } else { Vec::new() }
 }
 
 fn head(ui: &mut Ui, text: &str) {

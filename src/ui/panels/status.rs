@@ -3,31 +3,49 @@
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
 use crate::ui::action::Action;
-use crate::ui::app::App;
+use crate::ui::command::Command;
+use crate::ui::look::{Look, Pose};
+use crate::ui::open::Open;
 use crate::ui::progress::Running;
-use crate::ui::queue::State;
-use crate::ui::state::Pose;
+use crate::ui::queue::{Queue, State};
 use crate::ui::theme;
 
 /// Narrower than this, what draws and what computes is left out.
 const TIGHT_WIDTH: f32 = 720.0;
 
-/// Draws the line.
-pub fn show(app: &mut App, ui: &Ui) {
+/// What the line shows.
+pub struct Status<'a> {
+    /// What is open.
+    pub open: &'a Open,
+    /// What is being opened or made.
+    pub loading: Option<&'a Running>,
+    /// What is being exported.
+    pub queue: &'a Queue,
+    /// The zoom.
+    pub look: &'a Look,
+    /// What draws.
+    pub drawn_by: &'a str,
+    /// Threads for the nets; 0 is one for each core.
+    pub threads: usize,
+}
+
+/// Draws the line; a click on what is exported asks for the queue.
+pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
+    let mut action = None;
     let rect = ui.max_rect().shrink2(vec2(14.0, 0.0));
     let colors = theme::palette(ui.ctx());
     let y = rect.center().y;
     let mut x = rect.left();
-    if let Some(running) = &app.loading {
+    if let Some(running) = shown.loading {
         x = job(ui, running, None, pos2(x, y)) + 24.0;
     }
-    if let Some(task) = app.queue.current() {
+    if let Some(task) = shown.queue.current() {
         let start = x;
         x = match &task.state {
             State::Running(running) => job(ui, running, Some(&task.title), pos2(x, y)),
             _ => ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, &task.title, theme::small(), colors.weak).right(),
         };
-        let others = app.queue.open_count() - 1;
+        let others = shown.queue.open_count() - 1;
         if others > 0 {
             let text = format!("· {others} more");
             x = ui.painter().text(pos2(x + 6.0, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak).right();
@@ -36,18 +54,17 @@ pub fn show(app: &mut App, ui: &Ui) {
         let response = ui.interact(all, ui.scope_id().with("queue"), egui::Sense::click());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Queue"));
         let response = response.on_hover_cursor(egui::CursorIcon::PointingHand);
-        if response.on_hover_text(Action::Queue.tip(ui.ctx())).clicked() {
-            app.is_queue_open = !app.is_queue_open;
+        if response.on_hover_text(Command::Queue.tip(ui.ctx())).clicked() {
+            action = Some(Action::Do(Command::Queue));
         }
     }
-    if app.is_busy() {
+    if shown.loading.is_some() || shown.queue.is_busy() {
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));
     } else {
-        let text = idle_text(app);
+        let text = idle_text(shown.open);
         ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak);
     }
-    let drawn = app.stage.as_ref().map_or("no device", |stage| stage.adapter.as_str());
-    let threads = app.threads;
+    let (drawn, threads) = (shown.drawn_by, shown.threads);
     let is_tight = rect.width() < TIGHT_WIDTH;
     let right = match threads {
         _ if is_tight => String::new(),
@@ -55,21 +72,23 @@ pub fn show(app: &mut App, ui: &Ui) {
         1 => format!("drawn by {drawn} · nets on 1 CPU thread"),
         _ => format!("drawn by {drawn} · nets on {threads} CPU threads"),
     };
-    let shown = ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, right, theme::small(), colors.weak);
-    if let Some(size) = app.picture_size() {
-        let per_pixel = Pose::fit(app.canvas, size).x * app.pose.zoom * ui.ctx().pixels_per_point() / size.x;
+    let right = ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, right, theme::small(), colors.weak);
+    if let Some(size) = shown.open.picture_size() {
+        let per_pixel =
+            Pose::fit(shown.look.canvas, size).x * shown.look.pose.zoom * ui.ctx().pixels_per_point() / size.x;
         let zoom = format!("zoom {:.0} %", per_pixel * 100.0);
-        let at = pos2(shown.left() - 24.0, y);
+        let at = pos2(right.left() - 24.0, y);
         ui.painter().text(at, Align2::RIGHT_CENTER, zoom, theme::small(), colors.weak);
     }
+    action
 }
 
-fn idle_text(app: &App) -> &'static str {
-    match (app.picture_size(), app.document.field.is_some(), app.document.depths.is_some()) {
-        (None, ..) => "Everything stays on this computer",
-        (Some(_), true, true) => "Drag to look round · click to focus · wheel to zoom · F1 for all keys",
-        (Some(_), true, false) => "Drag to look round · wheel to zoom · F1 for all keys",
-        (Some(_), false, _) => "No light field · wheel to zoom",
+fn idle_text(open: &Open) -> &'static str {
+    match (open, open.field().is_some(), open.rays().is_some()) {
+        (Open::Nothing, ..) => "Everything stays on this computer",
+        (_, true, true) => "Drag to look round · click to focus · wheel to zoom · F1 for all keys",
+        (_, true, false) => "Drag to look round · wheel to zoom · F1 for all keys",
+        (_, false, _) => "No light field · wheel to zoom",
     }
 }
 

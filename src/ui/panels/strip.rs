@@ -1,16 +1,39 @@
 //! The views strip: the row of views that the eye is in, one click from the whole grid.
 
-use egui::{Align2, CursorIcon, Rect, Sense, StrokeKind, Ui, pos2, vec2};
+use egui::{Align2, CursorIcon, Rect, Response, Sense, StrokeKind, Ui, Vec2, pos2, vec2};
 
-use crate::field::{ViewGrid, ViewIndex};
+use crate::field::{ViewGrid, ViewIndex, ViewPoint};
 use crate::ui::action::Action;
-use crate::ui::app::App;
-use crate::ui::state::Face;
+use crate::ui::command::Command;
+use crate::ui::field_pictures::FieldPictures;
+use crate::ui::open::Open;
 use crate::ui::{theme, widgets};
 
+/// The views that can be gone to.
+#[derive(Clone, Copy)]
+pub struct Views<'a> {
+    /// All of them.
+    pub grid: ViewGrid,
+    /// The one that is nearest to the eye.
+    pub here: ViewIndex,
+    /// Width and height of the picture.
+    pub picture: Vec2,
+    /// Their pictures.
+    pub pictures: Option<&'a FieldPictures>,
+}
+
+impl<'a> Views<'a> {
+    /// Those of what is open, once there are some.
+    pub fn new(open: &Open, eye: ViewPoint, pictures: Option<&'a FieldPictures>) -> Option<Self> {
+        let (grid, here, picture) = (open.grid()?, open.nearest_view(eye)?, open.picture_size()?);
+        Some(Self { grid, here, picture, pictures })
+    }
+}
+
 /// Draws the strip.
-pub fn show(app: &mut App, ui: &mut Ui) {
-    let Some(grid) = app.document.grid() else { return };
+pub fn show(views: &Views, ui: &mut Ui) -> Vec<Action> {
+    let Views { grid, here, .. } = *views;
+    let mut actions = Vec::new();
     let rect = ui.max_rect().shrink2(vec2(16.0, 10.0));
     let colors = theme::palette(ui.ctx());
     let top = rect.top() + 6.0;
@@ -22,38 +45,36 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "All views"));
     let color = if response.hovered() { colors.strong } else { colors.weak };
     ui.painter().text(pos2(rect.right(), top), Align2::RIGHT_CENTER, text, theme::small(), color);
-    if response.on_hover_text(Action::Views.tip(ui.ctx())).clicked() {
-        app.face = Face::Views;
+    if response.on_hover_text(Command::Views.tip(ui.ctx())).clicked() {
+        actions.push(Action::Do(Command::Views));
     }
-    let Some(here) = app.nearest_view() else { return };
     // As many views of the row as fit, with the current one among them.
     let area = Rect::from_min_max(pos2(rect.left(), rect.top() + 18.0), rect.max);
+    let cell = vec2(area.width() / grid.cols() as f32, area.height() / 2.0);
     let first_row = here.v.min(grid.rows().saturating_sub(2) as u8);
     for (line, v) in (first_row..grid.rows() as u8).take(2).enumerate() {
-        for u in 0..grid.cols() as u8 {
-            cell(app, ui, (grid, area, line), ViewIndex { v, u }, here);
+        for view in (0..grid.cols() as u8).map(|u| ViewIndex { v, u }) {
+            let min = area.min + vec2(f32::from(view.u), line as f32) * cell;
+            let response = view_cell(views, ui, view, Rect::from_min_size(min, cell).shrink(1.0));
+            actions.extend(response.clicked().then(|| Action::LookFrom(grid.offset(view))));
         }
     }
-}
-
-fn cell(app: &mut App, ui: &Ui, (grid, area, line): (ViewGrid, Rect, usize), view: ViewIndex, here: ViewIndex) {
-    let width = area.width() / grid.cols() as f32;
-    let height = area.height() / 2.0;
-    let min = area.min + vec2(f32::from(view.u) * width, line as f32 * height);
-    let rect = Rect::from_min_size(min, vec2(width, height)).shrink(1.0);
-    view_cell(app, ui, grid, view, rect, here);
+    actions
 }
 
 /// One view as a picture that can be clicked; shared with the grid of all views.
-pub fn view_cell(app: &mut App, ui: &Ui, grid: ViewGrid, view: ViewIndex, rect: Rect, here: ViewIndex) -> bool {
+pub fn view_cell(views: &Views, ui: &Ui, view: ViewIndex, rect: Rect) -> Response {
+    let Views { grid, here, picture, pictures } = *views;
     let colors = theme::palette(ui.ctx());
     let id = ui.scope_id().with(("view", rect.min.x.to_bits(), view));
     let response = ui.interact(rect, id, Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
     response.widget_info(|| {
         egui::WidgetInfo::selected(egui::Role::Button, true, view == here, format!("View {}, {}", view.v, view.u))
     });
-    match app.stage.as_ref().and_then(|stage| stage.view(grid, view)) {
-        Some(texture) => widgets::picture(ui.painter(), texture, rect, cover(app, rect), 1.0),
+    match pictures.and_then(|pictures| pictures.view(grid, view)) {
+        Some(texture) => {
+            widgets::picture(ui.painter(), texture, rect, widgets::covering(picture, rect.size()), 1.0);
+        }
         None => {
             ui.painter().rect_filled(rect, theme::PICTURE_RADIUS, colors.control);
         }
@@ -63,18 +84,6 @@ pub fn view_cell(app: &mut App, ui: &Ui, grid: ViewGrid, view: ViewIndex, rect: 
     } else if response.hovered() {
         ui.painter().rect_stroke(rect, theme::PICTURE_RADIUS, (1.5, colors.strong), StrokeKind::Inside);
     }
-    if response.clicked() {
-        app.is_circling = false;
-        app.look_from(grid.offset(view));
-    }
-    let is_double = response.double_clicked();
     let step = grid.offset(view);
-    response.on_hover_text(format!("u {}, v {}", widgets::signed(step.du, 0), widgets::signed(step.dv, 0)));
-    is_double
-}
-
-/// The part of a view that fills a cell without being squeezed.
-fn cover(app: &App, rect: Rect) -> Rect {
-    let Some(size) = app.picture_size() else { return widgets::WHOLE };
-    widgets::covering(size, rect.size())
+    response.on_hover_text(format!("u {}, v {}", widgets::signed(step.du, 0), widgets::signed(step.dv, 0)))
 }

@@ -4,86 +4,99 @@ use std::path::{Path, PathBuf};
 
 use egui::{Context, RichText, Ui, vec2};
 
-use super::super::app::App;
-use super::super::{dialogs, theme, widgets};
-use super::{Existing, ExportSettings, Moving, What};
 use crate::io::formats::quilt;
 use crate::io::save::{Format, Keep};
-use crate::recipe::OutputSize;
+use crate::scene::export::{Existing, Group, KINDS, Kind, Settings};
+use crate::scene::{Edit, Movement, OutputSize};
+use crate::ui::action::Action;
+use crate::ui::ask::Ask;
+use crate::ui::open::Open;
+use crate::ui::{theme, widgets};
 
 const WIDTH: f32 = 700.0;
 const LIST_WIDTH: f32 = 176.0;
 /// Room for the longest kind's rows, so that the dialog does not change its size with each choice.
 const HEIGHT: f32 = 400.0;
 
-/// Draws the dialog. Returns false once it is to be closed.
-pub fn show(app: &mut App, ctx: &Context) -> bool {
+/// What the dialog shows and sets.
+pub struct Export<'a> {
+    /// What it said last.
+    pub settings: &'a mut Settings,
+    /// The photos it is about; none where that is what is open.
+    pub photos: &'a [PathBuf],
+    /// What is open.
+    pub open: &'a Open,
+    /// What is done to it.
+    pub edit: &'a Edit,
+}
+
+/// Draws the dialog.
+pub fn show(mut export: Export, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
-    let photos = app.photos_to_export.len();
-    let mut is_open = true;
+    let mut actions = Vec::new();
     let modal = widgets::modal(ctx, "export");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(WIDTH.min(ctx.content_rect().width() - 80.0));
         ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
-        let title = if photos > 0 { format!("Export {photos} photos") } else { "Export".to_owned() };
+        let count = export.photos.len();
+        let title = if count > 0 { format!("Export {count} photos") } else { "Export".to_owned() };
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         ui.add_space(theme::GRID);
         let room = (ctx.content_rect().height() - 150.0).max(120.0);
-        egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| body(ui, app));
+        let scroll = egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room);
+        actions.extend(scroll.show(ui, |ui| body(ui, &mut export)).inner);
         ui.add_space(theme::GRID);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::main_button(ui, "Export").clicked() {
-                app.start_export();
-                is_open = false;
+                actions.extend([Action::CloseDialog, Action::StartExport(export.photos.to_vec())]);
             }
             if widgets::button(ui, "Cancel").clicked() {
-                is_open = false;
+                actions.push(Action::CloseDialog);
             }
         });
     });
-    let stays = is_open && !shown.should_close();
-    if !stays {
-        app.photos_to_export.clear();
+    if shown.should_close() {
+        actions.push(Action::CloseDialog);
     }
-    stays
+    actions
 }
 
 /// What on the left, how and where on the right.
-fn body(ui: &mut Ui, app: &mut App) {
+fn body(ui: &mut Ui, export: &mut Export) -> Option<Action> {
     let colors = theme::palette(ui.ctx());
-    ui.horizontal_top(|ui| {
+    let columns = ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0 * theme::GRID;
         ui.vertical(|ui| {
             ui.set_width(LIST_WIDTH);
             ui.set_min_height(HEIGHT);
-            kinds(ui, &mut app.settings.export.what);
+            kinds(ui, &mut export.settings.kind);
         });
-        ui.vertical(|ui| {
+        let right = ui.vertical(|ui| {
             ui.set_width(ui.available_width());
             ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
-            let (_, hint) = app.settings.export.what.spec();
-            ui.label(RichText::new(hint).color(colors.weak));
+            ui.label(RichText::new(export.settings.kind.spec().hint).color(colors.weak));
             ui.add_space(theme::GRID);
-            rows(ui, app);
-            place_rows(ui, app);
+            rows(ui, export);
+            place_rows(ui, export)
         });
+        right.inner
     });
+    columns.inner
 }
 
-fn kinds(ui: &mut Ui, what: &mut What) {
+fn kinds(ui: &mut Ui, kind: &mut Kind) {
     let colors = theme::palette(ui.ctx());
     ui.spacing_mut().item_spacing.y = 1.0;
-    for (group, all) in What::GROUPS {
-        ui.label(RichText::new(group).font(theme::head()).color(colors.weak));
+    for (group, heading) in Group::ALL {
+        ui.label(RichText::new(heading).font(theme::head()).color(colors.weak));
         ui.add_space(2.0);
-        for kind in all {
-            let (label, hint) = kind.spec();
-            let is_chosen = kind == what;
-            let text = RichText::new(label).color(if is_chosen { colors.strong } else { colors.text });
+        for spec in KINDS.iter().filter(|spec| spec.group == group) {
+            let is_chosen = spec.kind == *kind;
+            let text = RichText::new(spec.label).color(if is_chosen { colors.strong } else { colors.text });
             let fill = if is_chosen { colors.hovered } else { egui::Color32::TRANSPARENT };
             let button = egui::Button::new(text).fill(fill).min_size(vec2(LIST_WIDTH, 24.0)).right_text("");
-            if ui.add(button).on_hover_text(hint).clicked() {
-                *what = *kind;
+            if ui.add(button).on_hover_text(spec.hint).clicked() {
+                *kind = spec.kind;
             }
         }
         ui.add_space(2.0 * theme::GRID);
@@ -91,26 +104,26 @@ fn kinds(ui: &mut Ui, what: &mut What) {
 }
 
 /// What the kind asks for.
-fn rows(ui: &mut Ui, app: &mut App) {
-    let settings = &mut app.settings.export;
-    match settings.what {
-        What::Picture => {
-            size_row(ui, app);
-            format_rows(ui, &mut app.settings.export);
+fn rows(ui: &mut Ui, export: &mut Export) {
+    let Export { settings, open, .. } = export;
+    match settings.kind {
+        Kind::Picture => {
+            size_row(ui, settings, open);
+            format_rows(ui, settings);
         }
-        What::FocalStack => {
+        Kind::FocalStack => {
             frames_row(ui, settings, false);
-            size_row(ui, app);
+            size_row(ui, settings, open);
         }
-        What::Animation => animation_rows(ui, settings),
-        What::SideBySide | What::Anaglyph => {
+        Kind::Animation => animation_rows(ui, settings),
+        Kind::SideBySide | Kind::Anaglyph => {
             widgets::labelled(ui, "Eyes apart", |ui| {
-                let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.5..=7.0).speed(0.02);
+                let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
                 ui.add(drag.max_decimals(1).suffix(" views"));
                 ui.weak("more is deeper");
             });
         }
-        What::Quilt => {
+        Kind::Quilt => {
             widgets::labelled(ui, "Display", |ui| {
                 let names: Vec<_> = quilt::DEVICES.iter().map(|device| device.name).enumerate().collect();
                 widgets::segmented(ui, "Display", &mut settings.device, &names);
@@ -120,17 +133,17 @@ fn rows(ui: &mut Ui, app: &mut App) {
                 ui.weak(format!("{} viewpoints in {cols} × {rows} tiles, {w} × {h} px", cols * rows));
             });
         }
-        What::Views | What::Eslf | What::Hci | What::Stanford => {
-            if let Some(field) = &app.document.field {
+        Kind::Views | Kind::Eslf | Kind::Hci | Kind::Stanford => {
+            if let Some(field) = open.field() {
                 let (grid, [w, h]) = (field.grid(), field.size());
                 widgets::labelled(ui, "Holds", |ui| {
                     ui.weak(format!("{} × {} views of {w} × {h} px", grid.cols(), grid.rows()));
                 });
             }
         }
-        What::DepthPng | What::DepthPfm | What::Gdepth | What::Ply => {
-            if let Some(depths) = &app.document.depths {
-                let [w, h] = depths.size();
+        Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth | Kind::Ply => {
+            if let Some(rays) = open.rays() {
+                let [w, h] = rays.depths.size();
                 widgets::labelled(ui, "Size", |ui| {
                     ui.weak(format!("{w} × {h} px, that of the views"));
                 });
@@ -139,9 +152,9 @@ fn rows(ui: &mut Ui, app: &mut App) {
     }
 }
 
-fn frames_row(ui: &mut Ui, settings: &mut ExportSettings, is_animation: bool) {
+fn frames_row(ui: &mut Ui, settings: &mut Settings, is_animation: bool) {
     widgets::labelled(ui, "Frames", |ui| {
-        ui.add(egui::DragValue::new(&mut settings.frames).range(2..=200).speed(0.2));
+        ui.add(egui::DragValue::new(&mut settings.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
         if is_animation {
             let rate = egui::DragValue::new(&mut settings.frames_per_second).range(1..=50).speed(0.1);
             ui.add(rate.suffix(" a second"));
@@ -151,14 +164,20 @@ fn frames_row(ui: &mut Ui, settings: &mut ExportSettings, is_animation: bool) {
     });
 }
 
-fn animation_rows(ui: &mut Ui, settings: &mut ExportSettings) {
+fn animation_rows(ui: &mut Ui, settings: &mut Settings) {
     widgets::labelled(ui, "Moves", |ui| {
-        let all = [(Moving::Focus, "Focus"), (Moving::Aperture, "Aperture"), (Moving::Viewpoint, "Viewpoint")];
-        widgets::segmented(ui, "Moves", &mut settings.moving, &all);
+        let all = Movement::ALL.map(|(movement, _, label, _)| (movement, label));
+        widgets::segmented(ui, "Moves", &mut settings.movement, &all);
     });
     frames_row(ui, settings, true);
     widgets::labelled(ui, "Long side", |ui| {
-        ui.add(egui::DragValue::new(&mut settings.animation_px).range(64..=4096).speed(4).suffix(" px"));
+        let mut side = match settings.animation_size {
+            OutputSize::LongSide(side) => side,
+            _ => Settings::ANIMATION_PX,
+        };
+        if ui.add(egui::DragValue::new(&mut side).range(64..=4096).speed(4).suffix(" px")).changed() {
+            settings.animation_size = OutputSize::LongSide(side);
+        }
     });
     widgets::labelled(ui, "Format", |ui| {
         let all = [("gif", "GIF"), ("apng", "APNG"), ("webp", "WebP")].map(|(suffix, name)| (suffix.to_owned(), name));
@@ -166,10 +185,10 @@ fn animation_rows(ui: &mut Ui, settings: &mut ExportSettings) {
     });
 }
 
-fn size_row(ui: &mut Ui, app: &mut App) {
-    let photo = app.document.photo.as_ref().map(|photo| photo.size());
-    let views = app.document.field.as_ref().map_or([0, 0], |field| field.size());
-    let size = &mut app.settings.export.picture.size;
+fn size_row(ui: &mut Ui, settings: &mut Settings, open: &Open) {
+    let photo = open.photo().map(|photo| photo.size());
+    let views = open.field().map_or([0, 0], |field| field.size());
+    let size = &mut settings.picture.size;
     widgets::labelled(ui, "Size", |ui| {
         let Some(photo) = photo else {
             let text = format!("{} × {} px, that of the views", views[0], views[1]);
@@ -187,7 +206,7 @@ fn size_row(ui: &mut Ui, app: &mut App) {
     });
 }
 
-fn format_rows(ui: &mut Ui, settings: &mut ExportSettings) {
+fn format_rows(ui: &mut Ui, settings: &mut Settings) {
     let settings = &mut settings.picture;
     widgets::labelled(ui, "Format", |ui| {
         let all = [(Format::Jpeg, "JPEG"), (Format::Png, "PNG"), (Format::Tiff, "TIFF"), (Format::WebP, "WebP")];
@@ -209,38 +228,49 @@ fn format_rows(ui: &mut Ui, settings: &mut ExportSettings) {
     });
 }
 
-fn place_rows(ui: &mut Ui, app: &mut App) {
-    if app.settings.export.what == What::Picture {
+/// Name and folder; asks for a folder.
+fn place_rows(ui: &mut Ui, export: &mut Export) -> Option<Action> {
+    let Export { settings, photos, open, edit } = export;
+    if settings.kind == Kind::Picture {
         widgets::labelled(ui, "Name", |ui| {
-            let name = &mut app.settings.export.picture.name;
+            let name = &mut settings.picture.name;
             let edit = egui::TextEdit::singleline(name).desired_width(f32::INFINITY);
             ui.add(edit).on_hover_text("{name}, {f} and {focus} are filled in");
         });
     }
-    let target = app.export_target();
+    let target = match (photos.first(), open.subject()) {
+        (Some(path), _) => {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            settings.target(Some(path), &name, edit)
+        }
+        (None, Some(subject)) => settings.target(subject.path.as_deref(), &subject.name, edit),
+        (None, None) => PathBuf::new(),
+    };
+    let mut action = None;
     widgets::labelled(ui, "Folder", |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if widgets::button(ui, "Choose…").clicked() {
-                app.ask(dialogs::Ask::Folder { folder: target.parent().map(Path::to_owned) });
+                action = Some(Action::Ask(Ask::Folder { folder: target.parent().map(Path::to_owned) }));
             }
-            if app.settings.export.folder.is_some()
+            if settings.folder.is_some()
                 && widgets::button(ui, "Beside photo").on_hover_text("Write beside each photo").clicked()
             {
-                app.settings.export.folder = None;
+                settings.folder = None;
             }
             let mut text = target.parent().unwrap_or(Path::new("")).display().to_string();
             let edit = egui::TextEdit::singleline(&mut text).desired_width(f32::INFINITY);
             if ui.add(edit).changed() {
-                app.settings.export.folder = Some(PathBuf::from(text));
+                settings.folder = Some(PathBuf::from(text));
             }
         });
     });
     widgets::labelled(ui, "If it exists", |ui| {
         let all = [(Existing::Number, "Add a number"), (Existing::Replace, "Replace"), (Existing::Leave, "Leave it")];
-        widgets::segmented(ui, "If it exists", &mut app.settings.export.existing, &all);
+        widgets::segmented(ui, "If it exists", &mut settings.existing, &all);
     });
     let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned();
     widgets::labelled(ui, "Writes", |ui| {
         ui.add(egui::Label::new(RichText::new(name).weak()).truncate());
     });
+    action
 }

@@ -33,8 +33,8 @@ struct Shown {
 /// Where the processor draws, layers that arrive are not worth a picture each.
 const STREAM_FRAMES: Duration = Duration::from_millis(500);
 
-/// All that lies on the device.
-pub struct Stage {
+/// The light field on the device.
+pub struct FieldPictures {
     render: RenderState,
     gpu: Gpu,
     field: Option<FieldTexture>,
@@ -46,7 +46,7 @@ pub struct Stage {
     pub adapter: String,
 }
 
-impl Stage {
+impl FieldPictures {
     /// Builds the passes on egui's device.
     pub fn new(render: &RenderState) -> Self {
         let info = render.adapter.get_info();

@@ -1,0 +1,279 @@
+//! The one place where actions change the window: one arm for each action, and for each command of the menu.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Context, ViewportCommand};
+
+use super::action::Action;
+use super::ask::Ask;
+use super::command::Command;
+use super::dialog::Dialog;
+use super::document::Document;
+use super::jobs::OpenFrom;
+use super::look::{Face, Pose};
+use super::neighbours;
+use super::open::Open;
+use super::queue::State;
+use super::saver::{Order, Queued, Shown};
+use super::window::Window;
+use crate::field::{ViewOffset, ViewPoint};
+use crate::io::formats::layout::Layout;
+use crate::scene::{Content, DepthFrom, Edit, Recipe, Subject};
+
+/// Does what a person asked for.
+pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
+    match action {
+        Action::Do(command) if can(window, command) => obey(window, command, ctx),
+        Action::Do(_) => {}
+        Action::Open(from) => window.open(from),
+        Action::Ask(ask) => {
+            window.workers.asker.push(ask);
+        }
+        Action::Show(dialog) => window.dialog = Some(dialog),
+        Action::CloseDialog => window.dialog = None,
+        Action::Refuse(why) => window.toasts.error(why),
+        Action::LookFrom(at) => {
+            window.look.is_circling = false;
+            look_from(window, at);
+        }
+        Action::FocusOnSubject => window.focus_on_subject(),
+        Action::PasteEdit(recipe) => paste_edit(window, &recipe),
+        Action::TakeDepths(source) => {
+            window.settings.source = source;
+            window.make_again();
+        }
+        Action::TakeMap(map) => {
+            if let Some(document) = window.open.document_mut() {
+                document.subject = Subject::clone(&document.subject).with_own_map(map).into();
+            }
+            window.settings.source = DepthFrom::Map;
+            window.make_again();
+        }
+        Action::UseModels(folder) => {
+            window.settings.models_folder = Some(folder);
+            window.make_again();
+        }
+        Action::MakeAgain => window.make_again(),
+        Action::StartExport(photos) => start_export(window, photos),
+        Action::StopTask(job) => {
+            if window.workers.saver.cancel(job) {
+                window.queue.end(job, State::Stopped);
+            }
+        }
+    }
+}
+
+/// The commands that can be done now; the menu greys out the others.
+pub fn possible(window: &Window) -> Vec<Command> {
+    Command::ALL.into_iter().filter(|command| can(window, *command)).collect()
+}
+
+fn can(window: &Window, command: Command) -> bool {
+    let open = &window.open;
+    match command {
+        Command::Export | Command::CopyPicture => open.scene().is_some(),
+        Command::Peaking => open.field().is_some(),
+        Command::ResetViewpoint
+        | Command::StepLeft
+        | Command::StepRight
+        | Command::StepUp
+        | Command::StepDown
+        | Command::Circle
+        | Command::Views
+        | Command::Depths
+        | Command::ToggleDepth => open.grid().is_some(),
+        Command::Opposite | Command::Transpose | Command::Serpentine => matches!(open, Open::LightField(_)),
+        Command::OwnDepth | Command::BeforeAfter => open.photo().is_some(),
+        Command::NextPhoto | Command::PreviousPhoto => open.subject().is_some_and(|subject| subject.path.is_some()),
+        Command::Stop => window.is_busy(),
+        Command::Undo => window.history.can_undo(&window.edit),
+        Command::Redo => window.history.can_redo(&window.edit),
+        Command::Fit
+        | Command::OneToOne
+        | Command::ZoomIn
+        | Command::ZoomOut
+        | Command::Picture
+        | Command::CopyEdit
+        | Command::PasteEdit
+        | Command::ResetLens => open.document().is_some(),
+        Command::ClearRecent => !window.settings.recent.is_empty(),
+        _ => true,
+    }
+}
+
+fn obey(window: &mut Window, command: Command, ctx: &Context) {
+    let ask = |window: &Window, ask: fn(Option<PathBuf>) -> Ask| {
+        let path = window.open.subject().and_then(|subject| subject.path.as_deref());
+        window.workers.asker.push(ask(path.and_then(Path::parent).map(PathBuf::from)));
+    };
+    match command {
+        Command::Open => ask(window, |folder| Ask::Open { folder }),
+        Command::OpenFolder => ask(window, |folder| Ask::OpenFolder { folder }),
+        Command::ExportPhotos => ask(window, |folder| Ask::Photos { folder }),
+        Command::OwnDepth => ask(window, |folder| Ask::DepthMap { folder }),
+        Command::Paste => ask(window, |_| Ask::Clipboard),
+        Command::PasteEdit => ask(window, |_| Ask::PasteEdit),
+        Command::OpenSample => window.open(OpenFrom::Sample),
+        Command::NextPhoto => step_file(window, true),
+        Command::PreviousPhoto => step_file(window, false),
+        Command::Export => window.dialog = Some(Dialog::Export(Vec::new())),
+        Command::Queue => window.queue.is_open = !window.queue.is_open,
+        Command::CopyPicture => save_shown(window, None, "Copy picture".to_owned()),
+        Command::Settings => window.dialog = Some(Dialog::Settings),
+        Command::Stop => stop(window, ctx),
+        Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+        Command::Undo => window.edit = window.history.undo(&window.edit),
+        Command::Redo => window.edit = window.history.redo(&window.edit),
+        Command::CopyEdit => {
+            ctx.copy_text(window.recipe().to_json());
+            window.toasts.info("Copied the edit: paste it over another photo");
+        }
+        Command::ResetLens => {
+            window.edit = Edit { viewpoint: window.edit.viewpoint, ..Edit::default() };
+            window.focus_on_subject();
+        }
+        Command::ResetViewpoint => look_from(window, ViewOffset::default()),
+        Command::StepLeft => step_view(window, -1.0, 0.0),
+        Command::StepRight => step_view(window, 1.0, 0.0),
+        Command::StepUp => step_view(window, 0.0, -1.0),
+        Command::StepDown => step_view(window, 0.0, 1.0),
+        Command::Circle => window.look.is_circling = !window.look.is_circling,
+        Command::Opposite => lay_out(window, Layout::opposite),
+        Command::Transpose => lay_out(window, |layout| Layout { transposed: !layout.transposed, ..layout }),
+        Command::Serpentine => lay_out(window, |layout| Layout { serpentine: !layout.serpentine, ..layout }),
+        _ => look(window, command, ctx),
+    }
+}
+
+/// What changes nothing but how it is looked at.
+fn look(window: &mut Window, command: Command, ctx: &Context) {
+    let Window { look, settings, open, .. } = window;
+    match command {
+        Command::Picture => look.face = Face::Picture,
+        Command::Views => look.face = Face::Views,
+        Command::Depths => look.face = Face::Depths,
+        Command::ToggleDepth => {
+            look.face = if look.face == Face::Depths { Face::Picture } else { Face::Depths };
+        }
+        Command::BeforeAfter => look.split.is_shown = !look.split.is_shown,
+        Command::Peaking => settings.peaking = !settings.peaking,
+        Command::Fit => look.pose = Pose::default(),
+        Command::OneToOne | Command::ZoomIn | Command::ZoomOut => {
+            let Some(size) = open.picture_size() else { return };
+            match command {
+                Command::OneToOne => look.pose.one_to_one(look.canvas, size, 1.0 / ctx.pixels_per_point()),
+                Command::ZoomIn => look.zoom_by(size, 1.25),
+                _ => look.zoom_by(size, 0.8),
+            }
+        }
+        Command::ToggleInspector => {
+            settings.has_inspector = !settings.has_inspector;
+            look.is_drawer_open = !look.is_drawer_open;
+        }
+        Command::FullScreen => {
+            let is_full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
+        }
+        Command::NextTheme => {
+            use egui::ThemePreference as Theme;
+            settings.theme = match settings.theme {
+                Theme::Dark => Theme::Light,
+                Theme::Light => Theme::System,
+                Theme::System => Theme::Dark,
+            };
+            ctx.set_theme(settings.theme);
+        }
+        Command::ClearRecent => {
+            settings.recent.clear();
+            window.workers.recents.push(Vec::new());
+        }
+        Command::Shortcuts => {
+            let is_shown = matches!(window.dialog, Some(Dialog::Shortcuts));
+            window.dialog = (!is_shown).then_some(Dialog::Shortcuts);
+        }
+        _ => {}
+    }
+}
+
+/// Opens the photo before or after this one.
+fn step_file(window: &Window, is_next: bool) {
+    if let Some(path) = window.open.subject().and_then(|subject| subject.path.clone()) {
+        window.workers.folder.replace(neighbours::Request::Step(path, is_next));
+    }
+}
+
+/// Lays a recorded light field out anew; the old one stays until the new one has its ray depths.
+fn lay_out(window: &mut Window, change: impl Fn(Layout) -> Layout) {
+    let Some(document) = window.open.document() else { return };
+    let Some(recorded) = document.subject.recorded() else { return };
+    let content = Content::Views(recorded.laid_out(change(recorded.layout)));
+    let subject = Subject { content, ..Subject::clone(&document.subject) };
+    window.open(OpenFrom::Again(Box::new(Document::from(subject))));
+}
+
+fn stop(window: &mut Window, ctx: &Context) {
+    if window.loading.running().is_some() {
+        window.workers.loader.stop();
+    } else if let Some(job) = window.queue.current().map(|task| task.job) {
+        apply(window, Action::StopTask(job), ctx);
+    }
+}
+
+/// Moves the eye.
+fn look_from(window: &mut Window, at: ViewOffset) {
+    if let Some(grid) = window.open.grid() {
+        window.edit.viewpoint = ViewPoint(grid.clamp(at));
+    }
+}
+
+fn step_view(window: &mut Window, du: f32, dv: f32) {
+    let at = window.edit.viewpoint.0;
+    look_from(window, ViewOffset { dv: (at.dv + dv).round(), du: (at.du + du).round() });
+}
+
+/// Applies an edit of another photo: its place is in focus here too.
+fn paste_edit(window: &mut Window, recipe: &Recipe) {
+    let Some(subject) = window.open.subject() else {
+        window.toasts.error("the edit cannot be applied — nothing is open — open a photo first");
+        return;
+    };
+    window.edit = recipe.edit(window.making().view_size(subject)[0]);
+    let at = window.edit.viewpoint.0;
+    look_from(window, at);
+    window.toasts.info("Applied the edit");
+}
+
+/// Starts the export that the dialog describes: of other photos, or of what is open.
+fn start_export(window: &mut Window, photos: Vec<PathBuf>) {
+    let settings = &window.settings.export;
+    if photos.is_empty() {
+        let Some(subject) = window.open.subject() else { return };
+        let target = settings.target(subject.path.as_deref(), &subject.name, &window.edit);
+        let title = name(&target);
+        save_shown(window, Some(target), title);
+        return;
+    }
+    window.queue.is_open = true;
+    for path in photos {
+        let (title, settings, making) = (name(&path), window.settings.export.clone(), window.making());
+        let target = settings.target(Some(&path), &title, &window.edit);
+        let recipe = Recipe::new(window.edit, settings.picture.clone());
+        let job = window.workers.saver.push(Order::File(Box::new(Queued { path, recipe, settings, target, making })));
+        window.queue.add(job, title);
+    }
+}
+
+/// Saves what is shown, or copies it where there is no target.
+fn save_shown(window: &mut Window, target: Option<PathBuf>, title: String) {
+    let Some(scene) = window.open.scene().cloned() else {
+        window.toasts.error("nothing to export yet — the light field is still being made — wait for it to end");
+        return;
+    };
+    let shown = Shown { scene, edit: window.edit, settings: window.settings.export.clone(), target };
+    let job = window.workers.saver.push(Order::Shown(Box::new(shown)));
+    window.queue.add(job, title);
+}
+
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

@@ -1,0 +1,89 @@
+//! What the system and the clipboard are asked for, and where that led.
+
+use std::path::PathBuf;
+
+use super::near_end::Reading;
+use crate::scene::Recipe;
+
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub enum Ask {
+    /// A file to open.
+    Open {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// A folder to save into.
+    Folder {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// A folder of views to open.
+    OpenFolder {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// Photos to export.
+    Photos {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// A depth map of one's own.
+    DepthMap {
+        /// Where to start.
+        folder: Option<PathBuf>,
+    },
+    /// The depth map in a file.
+    ReadDepthMap(PathBuf),
+    /// A folder of models.
+    Models,
+    /// A picture, a path or an edit in the clipboard.
+    Clipboard,
+    /// An edit in the clipboard.
+    PasteEdit,
+}
+
+/// What a typed path is for, where the system shows no dialogs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathFor {
+    /// A photo or a light field to open.
+    Open,
+    /// A photo to export.
+    Export,
+    /// A depth map.
+    DepthMap,
+    /// A folder of models.
+    Models,
+}
+
+/// Where a dialog led.
+#[derive(Clone, Debug)]
+pub enum Picked {
+    /// A file to open.
+    Open(PathBuf),
+    /// A folder to save into.
+    Folder(PathBuf),
+    /// Photos to export.
+    Photos(Vec<PathBuf>),
+    /// A depth map of one's own.
+    DepthMap {
+        /// Where it lies.
+        path: PathBuf,
+        /// Its width and height.
+        size: [u32; 2],
+        /// The map, read both ways.
+        readings: [Reading; 2],
+    },
+    /// A folder of models.
+    Models(PathBuf),
+    /// A picture from the clipboard, `[y, x, 4]`.
+    Pixels([u32; 2], Vec<u8>),
+    /// An edit from the clipboard.
+    Edit(Box<Recipe>),
+    /// The system shows no dialogs: ask for a path in the window.
+    Unavailable(PathFor),
+    /// The system shows no dialog for the folder of exports, which the export dialog has a field for.
+    NoFolderDialog,
+    /// The person changed their mind.
+    Nothing,
+}

@@ -1,0 +1,22 @@
+//! The window's own dialogs, each with what it is about.
+
+use std::path::PathBuf;
+
+use super::ask::PathFor;
+use super::near_end::Question;
+
+/// A dialog of the window's own.
+pub enum Dialog {
+    /// What is exported, how and where: of these photos, or of what is open where there are none.
+    Export(Vec<PathBuf>),
+    /// All keys.
+    Shortcuts,
+    /// A box for a path, where the system shows no dialogs.
+    Path(PathFor, String),
+    /// What is not part of an edit.
+    Settings,
+    /// Which end of a depth map is near.
+    NearEnd(Question),
+    /// Several files were dropped: open the first, or export them all.
+    Many(Vec<PathBuf>),
+}

@@ -1,0 +1,52 @@
+//! What the threads tell the window.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::ask::Picked;
+use super::document::Document;
+use super::keys::{Peaks, RestKey};
+use super::open::Made;
+use super::rays::Rays;
+use super::tiles::TileSet;
+use crate::field::{View, ViewIndex};
+use crate::job::Progress;
+use crate::render::Picture;
+
+/// What the threads tell the window. Big things come as handles that nobody copies.
+pub enum Event {
+    /// A photo or a light field has been read; with the ray depths that it holds, and of a photo what can be shown at once.
+    Opened(Box<Document>, Option<Rays>, Option<Arc<TileSet>>),
+    /// The photo, ready for the screen.
+    Tiles(Arc<TileSet>),
+    /// A job went on a little.
+    Progress(Progress),
+    /// Ray depths are there, before the views.
+    Rays(Rays),
+    /// A view is there; it comes again once it is corrected.
+    View(ViewIndex, Arc<View>),
+    /// The light field is complete.
+    Made(Box<Made>),
+    /// A picture at rest, by the lens renderer.
+    AtRest(RestKey, Arc<TileSet>),
+    /// A file was written.
+    Saved(PathBuf),
+    /// Edges in focus.
+    Peaks(Peaks),
+    /// A small picture of a recent file.
+    Thumbnail(PathBuf, Arc<egui::ColorImage>),
+    /// Further models that ray depths can come from, by name.
+    Models(Vec<String>),
+    /// The file was there already and was left as it is.
+    Skipped(PathBuf),
+    /// A picture for the clipboard.
+    Copied(Arc<Picture>),
+    /// Where a dialog led.
+    Picked(Picked),
+    /// Something went wrong that does not stop the job.
+    Warning(String),
+    /// The job was stopped: not an error.
+    Stopped,
+    /// The job failed; the sentence says what, why and what to do.
+    Failed(String),
+}

@@ -1,0 +1,178 @@
+//! What the window holds: what is open, what is done to it, how it is looked at, and the threads behind it.
+
+use std::path::PathBuf;
+
+use eframe::egui_wgpu::RenderState;
+
+use super::dialog::Dialog;
+use super::document::Sidecar;
+use super::field_pictures::FieldPictures;
+use super::history::{History, Keep};
+use super::jobs::{Load, OpenFrom};
+use super::look::Look;
+use super::open::Open;
+use super::progress::{Loading, Running};
+use super::queue::Queue;
+use super::rest::AtRest;
+use super::settings::Settings;
+use super::tiles::Tiled;
+use super::toasts::Toasts;
+use super::worker::Outbox;
+use super::workers::Workers;
+use crate::scene::{Edit, Focus, Making, Recipe};
+use crate::synth::ModelSource;
+
+/// What the window is started with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Files to open; the first one is shown.
+    pub files: Vec<PathBuf>,
+    /// Where the nets come from.
+    pub models: ModelSource,
+    /// Long side of a view, in pixels; none is what the settings say.
+    pub long_side: Option<u32>,
+    /// Threads for the nets; 0 is one for each core.
+    pub threads: usize,
+    /// Whether the file of the last run is opened when none is named.
+    pub restores_last: bool,
+}
+
+/// All that the window holds. Panels borrow parts of it; actions and letters of the threads change it.
+pub struct Window {
+    /// Kept between runs.
+    pub settings: Settings,
+    /// What is open.
+    pub open: Open,
+    /// What is being opened or made.
+    pub loading: Loading,
+    /// What is done to the picture.
+    pub edit: Edit,
+    /// What was done before.
+    pub history: History,
+    /// How it is looked at.
+    pub look: Look,
+    /// The light field on the device.
+    pub pictures: Option<FieldPictures>,
+    /// The photo on the device.
+    pub photo: Option<Tiled>,
+    /// What is drawn over the draft.
+    pub rest: AtRest,
+    /// What is being exported.
+    pub queue: Queue,
+    /// What is told in a corner.
+    pub toasts: Toasts,
+    /// The dialog that is shown.
+    pub dialog: Option<Dialog>,
+    /// Small pictures of recent files.
+    pub thumbnails: Vec<(PathBuf, egui::TextureHandle)>,
+    /// Further models that ray depths can come from.
+    pub models: Vec<String>,
+    /// Threads for the nets; 0 is one for each core.
+    pub threads: usize,
+    /// The threads.
+    pub workers: Workers,
+    started_with: ModelSource,
+}
+
+impl Window {
+    /// A window with nothing in it. `remembers`: whether what is opened is kept for the next time.
+    pub fn new(
+        options: &Options,
+        settings: Settings,
+        outbox: &Outbox,
+        render: Option<&RenderState>,
+        remembers: bool,
+    ) -> Self {
+        let pictures = render.map(FieldPictures::new);
+        Self {
+            edit: settings.edit,
+            settings,
+            open: Open::default(),
+            loading: Loading::default(),
+            history: History::default(),
+            look: Look::default(),
+            photo: None,
+            rest: AtRest::default(),
+            queue: Queue::default(),
+            toasts: Toasts::default(),
+            dialog: None,
+            thumbnails: Vec::new(),
+            models: Vec::new(),
+            threads: options.threads,
+            workers: Workers::spawn(outbox, pictures.as_ref(), remembers),
+            pictures,
+            started_with: options.models.clone(),
+        }
+    }
+
+    /// Whether something is being opened, made or saved.
+    pub fn is_busy(&self) -> bool {
+        self.loading.running().is_some() || self.queue.is_busy()
+    }
+
+    /// Opens something; what is open stays usable until the new one is there.
+    pub fn open(&mut self, from: OpenFrom) {
+        self.keep_edit();
+        let is_again = matches!(from, OpenFrom::Again(_));
+        let running = Running::new(self.workers.loader.replace(Load { from, making: self.making() }));
+        self.loading = if is_again { Loading::Again(running) } else { Loading::Opening(running) };
+    }
+
+    /// How light fields are made.
+    pub fn making(&self) -> Making {
+        let models = match (&self.started_with, &self.settings.models_folder) {
+            (ModelSource::Embedded, Some(folder)) => ModelSource::Folder(folder.clone()),
+            (started_with, _) => started_with.clone(),
+        };
+        let Settings { long_side, occlusion, source, .. } = &self.settings;
+        let source = source.clone();
+        Making { long_side: *long_side, occlusion: *occlusion, threads: self.threads, source, models }
+    }
+
+    /// Makes a photo's light field anew, after a setting changed.
+    pub fn make_again(&mut self) {
+        if let Some(document) = self.open.document().filter(|document| document.subject.photo().is_some()) {
+            self.open(OpenFrom::Again(Box::new(document.clone())));
+        }
+    }
+
+    /// Focuses where the subject most likely is.
+    pub fn focus_on_subject(&mut self) {
+        self.edit.focus = Focus::Subject;
+        if let Some(rays) = self.open.rays() {
+            self.look.probe = rays.survey.subject.into();
+        }
+    }
+
+    /// Puts the edit beside the photo, if it has changed.
+    pub fn keep_edit(&mut self) {
+        if let Some(keep) = self.unkept() {
+            self.workers.sidecar.push(keep);
+        }
+    }
+
+    /// The edit, where it is to lie beside the photo and does not yet.
+    pub fn unkept(&mut self) -> Option<Keep> {
+        let document = self.open.document()?;
+        let photo = document.subject.path.clone().filter(|_| document.subject.photo().is_some())?;
+        let is_kept = self.settings.keeps_edits && !matches!(document.sidecar, Sidecar::Unreadable);
+        if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.edit) {
+            return None;
+        }
+        let recipe = self.recipe();
+        if let Some(document) = self.open.document_mut() {
+            document.sidecar = Sidecar::Read(Box::new(recipe.clone()));
+        }
+        Some(Keep { photo, recipe })
+    }
+
+    /// The edit as a recipe, with what else its file held.
+    pub fn recipe(&self) -> Recipe {
+        let mut recipe = match self.open.document().map(|document| &document.sidecar) {
+            Some(Sidecar::Read(recipe)) => Recipe::clone(recipe),
+            _ => Recipe::default(),
+        };
+        recipe.export = self.settings.export.picture.clone();
+        recipe.with_edit(self.edit)
+    }
+}
