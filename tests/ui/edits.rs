@@ -78,7 +78,8 @@ fn an_edit_that_cannot_be_read_is_told_and_never_written_over() {
     std::fs::write(Recipe::sidecar(&photo), later).expect("written");
     let mut harness = with_photo(&photo);
     let center = harness.get_by_label("Picture canvas").rect().center();
-    click(&mut harness, center + vec2(-120.0, 120.0));
+    // Where no toast lies.
+    click(&mut harness, center + vec2(120.0, -120.0));
     steps(&mut harness, SETTLED);
     assert!(matches!(harness.state().edit().focus, Focus::At(_)), "it can be edited");
     drop(harness);
