@@ -3,7 +3,7 @@
 //! The way of the data, which is also the order to read the code in:
 //!
 //! ```text
-//! file ─io::open─► Photo ─synth─► RayDepths + LightField ─render─► picture ─io::save─► file
+//! file ─io::open─► Subject ─scene::Maker─► Scene ─Edit─► picture ─export─► file
 //! ```
 //!
 //! * [`field`]: the nouns (photo, view, light field, ray depths, lens) and the conventions they share.
@@ -13,6 +13,7 @@
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`background`]: what goes on behind near edges.
+//! * [`scene`]: the one way from a file to a picture, with edits, recipes, exports and batches.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
 //! * [`aside`]: files and folders that are there whole or not at all.
