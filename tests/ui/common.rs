@@ -26,12 +26,17 @@ pub fn has_device() -> bool {
     adapter.is_ok()
 }
 
-/// An empty window.
+/// An empty window, whose views will be small.
 pub fn window(size: [f32; 2]) -> Window {
+    window_of(size, 120)
+}
+
+/// An empty window, whose views will have this long side.
+fn window_of(size: [f32; 2], long_side: u32) -> Window {
     let options = Options {
         files: Vec::new(),
         models: ModelSource::Embedded,
-        long_side: Some(120),
+        long_side: Some(long_side),
         threads: 1,
         restores_last: false,
     };
@@ -77,7 +82,15 @@ pub fn click(harness: &mut Window, at: Pos2) {
 
 /// A window with the sample's light field, all of it on the device.
 pub fn with_sample(size: [f32; 2]) -> Window {
-    let mut harness = window(size);
+    try_sample(window(size))
+}
+
+/// The same with views as large as people have them.
+pub fn with_large_sample(size: [f32; 2]) -> Window {
+    try_sample(window_of(size, 540))
+}
+
+fn try_sample(mut harness: Window) -> Window {
     harness.step();
     harness.get_by_label("Try the sample").click();
     wait(&mut harness, "the sample's light field", is_made);

@@ -4,8 +4,10 @@
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{SnapshotOptions, image_snapshot_options};
+use plenoscope::field::FNumber;
+use plenoscope::scene::{Edit, Recipe};
 
-use crate::common::{Window, has_device, steps, wait, window, with_sample};
+use crate::common::{Window, has_device, steps, wait, window, with_large_sample, with_sample};
 
 /// Pixels that rasterisers may draw otherwise: rims of rounded corners and of letters.
 const RIMS: usize = 60;
@@ -61,4 +63,25 @@ fn a_light_field_and_its_ray_depths() {
     harness.get_by_label("Export…").click();
     steps(&mut harness, 6);
     is_like(&mut harness, "export");
+}
+
+/// Draws the window for README into the folder that `PLENOSCOPE_PICTURES` names: see `scripts/pictures.sh`.
+#[test]
+fn picture_of_readme() {
+    let Some(folder) = std::env::var_os("PLENOSCOPE_PICTURES") else {
+        eprintln!("SKIPPED: PLENOSCOPE_PICTURES names no folder for the picture");
+        return;
+    };
+    assert!(has_device(), "the window is drawn on a device");
+    let mut harness = with_large_sample([1280.0, 800.0]);
+    let edit = Edit { f_number: FNumber(1.4), ..*harness.state().edit() };
+    harness.event(egui::Event::Paste(Recipe::default().with_edit(edit).to_json()));
+    steps(&mut harness, 4);
+    wait(&mut harness, "the picture at rest", |app| app.is_at_rest());
+    harness.get_by_label("Close").click();
+    steps(&mut harness, 4);
+    let mut shown = harness.render().expect("the window is drawn");
+    shown.pixels_mut().for_each(on_surround);
+    let path = std::path::Path::new(&folder).join("window.jpg");
+    image::DynamicImage::ImageRgba8(shown).to_rgb8().save(path).expect("written");
 }

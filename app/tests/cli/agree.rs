@@ -1,5 +1,5 @@
-//! The same edit is the same picture, byte for byte, through every door: `refocus` with arguments, `refocus --recipe` and
-//! `batch`.
+//! The same edit is the same picture, byte for byte, through every door: `refocus` with arguments, `refocus --recipe`,
+//! `batch`, and the window's export.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,6 +10,7 @@ use plenoscope::scene::recipe::PictureSettings;
 use plenoscope::scene::{Edit, Focus, Recipe};
 
 use crate::common::{Scratch, plenoscope};
+use crate::window_export::WindowExport;
 
 /// Width and height of the photos.
 const PHOTO: [u32; 2] = [600, 400];
@@ -86,7 +87,7 @@ fn subjects(dir: &Scratch) -> [String; 3] {
 }
 
 /// The picture of each door, for one subject and one edit.
-fn doors(dir: &Scratch, input: &str, how: &[&str], case: &Case) -> Vec<Vec<u8>> {
+fn doors(dir: &Scratch, input: &str, how: &[&str], case: &Case, window: &mut Option<WindowExport>) -> Vec<Vec<u8>> {
     let recipe = dir.path("edit.json");
     Recipe::new(case.edit, settings()).write(&recipe).unwrap();
     let recipe = recipe.to_string_lossy().into_owned();
@@ -96,17 +97,18 @@ fn doors(dir: &Scratch, input: &str, how: &[&str], case: &Case) -> Vec<Vec<u8>> 
     plenoscope(&[&["refocus", input, "-o", &by_recipe, "--recipe", &recipe], how].concat()).assert().success();
     plenoscope(&[&["batch", input, "--force", "-o", &out, "--recipe", &recipe], how].concat()).assert().success();
     let batch = settings().file_name(Path::new(input), &case.edit);
-    let files: Vec<PathBuf> = vec![by_args.into(), by_recipe.into(), dir.path("out").join(batch)];
+    let mut files: Vec<PathBuf> = vec![by_args.into(), by_recipe.into(), dir.path("out").join(batch)];
+    files.extend(window.as_mut().map(|window| window.export(&case.edit, &dir.path("window"))));
     files.iter().map(|file| fs::read(file).unwrap()).collect()
 }
 
 /// Checks that all doors give the same picture of every edit, and different edits different ones.
-fn agree(dir: &Scratch, input: &str, how: &[&str], cases: Vec<Case>) {
+fn agree(dir: &Scratch, input: &str, how: &[&str], cases: Vec<Case>, mut window: Option<WindowExport>) {
     let mut pictures = Vec::new();
     for case in cases {
-        let mut all = doors(dir, input, how, &case);
-        let first = all.swap_remove(0);
-        for (door, other) in ["batch", "refocus --recipe"].iter().zip(all) {
+        let mut all = doors(dir, input, how, &case, &mut window).into_iter();
+        let first = all.next().unwrap();
+        for (door, other) in ["refocus --recipe", "batch", "the window"].iter().zip(all) {
             assert!(other == first, "{}: {door} differs from refocus, {input} {how:?}", case.name);
         }
         assert!(!pictures.contains(&first), "{} changes nothing", case.name);
@@ -120,12 +122,13 @@ fn the_same_edit_is_the_same_picture_through_every_door() {
     let [photo, phone, field] = subjects(&dir);
     for long_side in [270, 540] {
         let side = long_side.to_string();
-        agree(&dir, &photo, &["--long-side", &side], cases(PHOTO, long_side));
+        let window = |input: &str, source| WindowExport::open(Path::new(input), long_side, source);
+        agree(&dir, &photo, &["--long-side", &side], cases(PHOTO, long_side), window(&photo, None));
         let how = ["--long-side", &side, "--source", "phone"];
-        agree(&dir, &phone, &how, cases(PHOTO, long_side));
+        agree(&dir, &phone, &how, cases(PHOTO, long_side), window(&phone, Some("Phone")));
     }
     let size = [RECORDED, RECORDED * 2 / 3];
-    agree(&dir, &field, &[], cases(size, RECORDED));
+    agree(&dir, &field, &[], cases(size, RECORDED), WindowExport::open(Path::new(&field), 540, None));
 }
 
 /// Recipes of version 1 with the pictures that the program made of them which wrote that version.

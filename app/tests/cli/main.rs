@@ -10,3 +10,4 @@ mod nets;
 mod small_nets;
 #[cfg(target_os = "linux")]
 mod window;
+mod window_export;
