@@ -23,6 +23,8 @@ pub struct Batch {
     pub truth: Vec<f32>,
     /// Where each crop lies in its picture, which runs from −1 to 1: y of first and last row, x of first and last column.
     pub yx: Vec<[f32; 4]>,
+    /// What the truth of each sample is worth, 0 … 1.
+    pub worth: Vec<f32>,
 }
 
 impl Batch {
@@ -152,6 +154,7 @@ pub(crate) mod tests {
                 views,
                 truth,
                 yx: vec![[-1.0, 1.0, -1.0, 1.0]; samples],
+                worth: vec![1.0; samples],
                 maps,
             })
         })

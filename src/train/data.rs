@@ -6,7 +6,8 @@ use crate::TrainError;
 use crate::batch::{Batch, Draw};
 use crate::config::{Config, Stage};
 use crate::loss::Maps;
-use crate::scenes::{self, Sample, SceneError, Source, Split};
+use crate::scenes::{self, Kind, Sample, SceneError, Source, Split};
+use crate::watch::{KINDS, Watch};
 
 /// What the data engine is told for a run.
 pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
@@ -26,19 +27,67 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         variety: config.variety,
         // Depth nets must learn one scale. The occlusion net meets ray depths of any, from nets, phones and files.
         stretch: if config.stage == Stage::Occlusion { [0.2, 1.25] } else { [1.0; 2] },
+        // As nearness maps are: one net learns one curve.
+        curve: scenes::Curve::Relief,
         ..scenes::Config::default()
     })
 }
 
+/// The data engine of a run. `note_down` is told of each file that cannot be used and is left out.
+///
+/// # Errors
+/// Settings or folders that cannot work.
+pub fn engine(config: &scenes::Config, note_down: &mut dyn FnMut(&str)) -> Result<Arc<Source>, TrainError> {
+    let source = Source::new(config).map_err(|e| TrainError::Data { why: e.to_string() })?;
+    source.notes().for_each(note_down);
+    Ok(Arc::new(source))
+}
+
 /// Batches of composed scenes: crops in turn, samples numbered through.
-pub fn draw(config: &Config) -> Result<Draw, TrainError> {
-    let source = Source::new(&scenes_config(config)?).map_err(|e| TrainError::Data { why: e.to_string() })?;
-    let (batch, crops) = (config.batch as u64, config.crop.clone());
-    Ok(Arc::new(move |number| {
+pub fn draw(config: &Config, source: &Arc<Source>) -> Draw {
+    let (batch, crops, source) = (config.batch as u64, config.crop.clone(), source.clone());
+    Arc::new(move |number| {
         let (width, height) = crops[(number % crops.len() as u64) as usize];
         let samples = (0..batch).map(|i| source.sample_sized(number * batch + i, [width, height])).collect();
         collate(samples, number * batch)
-    }))
+    })
+}
+
+/// Samples of each kind and side that a run is watched on.
+const WATCHED: usize = 24;
+/// Numbers from here on are no run's.
+const BEYOND: u64 = 1 << 40;
+
+/// What to watch a run of a depth net on: samples like those of the run, of both sides of the split.
+///
+/// # Errors
+/// Validation pictures that cannot be used.
+pub fn watch(config: &Config, source: &Arc<Source>) -> Result<Watch, TrainError> {
+    let other = engine(&scenes::Config { split: Split::Val, augment: false, ..scenes_config(config)? }, &mut |_| {})?;
+    let mut sides = Vec::new();
+    for kind in KINDS {
+        let both = [watched(source, kind, config)?, watched(&other, kind, config)?];
+        if both.iter().all(|batches| !batches.is_empty()) {
+            sides.push((kind, both));
+        }
+    }
+    Ok(Watch::new(sides))
+}
+
+fn watched(source: &Source, kind: Kind, config: &Config) -> Result<Vec<Batch>, TrainError> {
+    let (width, height) = config.crop[0];
+    let numbers = BEYOND..BEYOND + 8 * WATCHED as u64;
+    let samples: Vec<Sample> = numbers
+        .filter(|&number| source.kind_of(number) == kind)
+        .map(|number| source.reference_alone(number, [width, height]))
+        .take(WATCHED)
+        .collect();
+    let mut batches = Vec::new();
+    let mut rest = samples.into_iter().peekable();
+    while rest.peek().is_some() {
+        batches.push(collate(rest.by_ref().take(config.batch).collect(), BEYOND)?);
+    }
+    Ok(batches)
 }
 
 /// Samples of one size and one set of views as a batch, views ascending.
@@ -53,13 +102,14 @@ pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainEr
     let views = order.iter().map(|&i| layers[i]).collect();
     let maps = Maps { samples: samples.len(), views, height: size[1], width: size[0] };
     let plane = maps.plane();
-    let mut batch = Batch { first_sample, views: Vec::new(), truth: Vec::new(), yx: Vec::new(), maps };
+    let mut batch = Batch { first_sample, views: Vec::new(), truth: Vec::new(), yx: Vec::new(), worth: Vec::new(), maps };
     for sample in samples {
         for &i in &order {
             batch.views.extend(&sample.rgb[3 * i * plane..][..3 * plane]);
             batch.truth.extend(&sample.disparity[i * plane..][..plane]);
         }
         batch.yx.push(sample.yx);
+        batch.worth.push(sample.worth);
     }
     Ok(batch)
 }

@@ -90,6 +90,7 @@ impl Folder {
             views: Vec::with_capacity(3 * maps.len()),
             truth: vec![f32::NAN; maps.len()],
             yx: Vec::new(),
+            worth: vec![1.0; samples],
             maps,
         };
         for slot in 0..samples {

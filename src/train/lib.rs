@@ -22,5 +22,6 @@ pub mod run;
 pub mod scenes;
 pub mod step;
 pub mod warp;
+pub mod watch;
 
 pub use error::TrainError;

@@ -12,7 +12,7 @@ use clap::{ArgMatches, Args as _, Command, arg, value_parser};
 use plenoscope::errors::sentence;
 use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope_train::checkpoint::{Checkpoint, Moments};
-use plenoscope_train::config::{Config, Preset};
+use plenoscope_train::config::{Config, Preset, Stage};
 use plenoscope_train::export::{self, About};
 use plenoscope_train::{bench, data, eslf, eval, run, scenes};
 
@@ -101,8 +101,13 @@ fn train(matches: &ArgMatches) -> Result<()> {
         Some(folder) => run::Nets::resume(&config, folder)?,
         None => run::Nets::start(&config)?,
     };
-    let draw = if config.preset == Preset::Paper { eslf::draw(&config)? } else { data::draw(&config)? };
-    run::train(&config, nets, &draw, &stop)?;
+    if config.preset == Preset::Paper {
+        run::train(&config, nets, &eslf::draw(&config)?, None, &stop)?;
+        return Ok(());
+    }
+    let source = data::engine(&data::scenes_config(&config)?, &mut |note| eprintln!("{note}"))?;
+    let watch = (config.stage == Stage::Depth).then(|| data::watch(&config, &source)).transpose()?;
+    run::train(&config, nets, &data::draw(&config, &source), watch, &stop)?;
     Ok(())
 }
 

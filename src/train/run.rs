@@ -19,6 +19,7 @@ use crate::eval::sheet;
 use crate::files;
 use crate::nets::{Arch, Graph};
 use crate::step::{self, Report};
+use crate::watch::Watch;
 
 /// File of a run's config, in its folder.
 pub const CONFIG_FILE: &str = "config.json";
@@ -148,8 +149,15 @@ fn depths(net: Option<&Checkpoint>, batch: &Batch, config: &Config) -> Result<Ve
     }
 }
 
-/// Trains until the schedule ends or `stop` is set; saves either way. Returns the nets.
-pub fn train(config: &Config, mut nets: Nets, draw: &Draw, stop: &AtomicBool) -> Result<Nets, TrainError> {
+/// Trains until the schedule ends or `stop` is set; saves either way. Returns the nets. `watch` is looked at beside every
+/// checkpoint.
+pub fn train(
+    config: &Config,
+    mut nets: Nets,
+    draw: &Draw,
+    mut watch: Option<Watch>,
+    stop: &AtomicBool,
+) -> Result<Nets, TrainError> {
     prepare(config)?;
     let mut progress = nets.main(config.stage).map(|net| net.progress.clone()).unwrap_or_default();
     let mut loader = Loader::new(draw, progress.step, config.loaders)?;
@@ -181,6 +189,12 @@ pub fn train(config: &Config, mut nets: Nets, draw: &Draw, stop: &AtomicBool) ->
             nets.save(config)?;
             nets.draw(&batch, config)?;
             curves::draw(&log.path, &config.out.join(CURVES_FILE))?;
+            if let (Some(watch), Some(net)) = (&mut watch, nets.main(config.stage)) {
+                let (found, warnings) = watch.look(net, config)?;
+                let line = json!({"step": progress.step, "watch": found, "warnings": warnings});
+                log.append(&format!("{line}\n"))?;
+                warnings.iter().for_each(|warning| bar.println(warning));
+            }
             saved = Instant::now();
         }
     }
@@ -302,11 +316,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (stop, draw) = (AtomicBool::new(false), toy(2, (16, 8)));
         let whole = config(&folder.path().join("whole"), 6);
-        let nets = train(&whole, Nets::start(&whole).unwrap(), &draw, &stop).unwrap();
+        let nets = train(&whole, Nets::start(&whole).unwrap(), &draw, None, &stop).unwrap();
         let half = config(&folder.path().join("half"), 3);
-        train(&half, Nets::start(&half).unwrap(), &draw, &stop).unwrap();
+        train(&half, Nets::start(&half).unwrap(), &draw, None, &stop).unwrap();
         let rest = Config { steps: 6, ..half };
-        let resumed = train(&rest, Nets::resume(&rest, &rest.out).unwrap(), &draw, &stop).unwrap();
+        let resumed = train(&rest, Nets::resume(&rest, &rest.out).unwrap(), &draw, None, &stop).unwrap();
         assert_eq!(weights(&nets).weights, weights(&resumed).weights);
         assert_eq!(weights(&nets).average, weights(&resumed).average);
         assert_eq!(weights(&nets).adam, weights(&resumed).adam);
@@ -343,7 +357,7 @@ mod tests {
         let toy = toy(2, (16, 8));
         let one: Draw = std::sync::Arc::new(move |_| toy(0));
         let config = Config { lr: 1e-2, ..config(folder.path(), 100) };
-        let nets = train(&config, Nets::start(&config).unwrap(), &one, &AtomicBool::new(false)).unwrap();
+        let nets = train(&config, Nets::start(&config).unwrap(), &one, None, &AtomicBool::new(false)).unwrap();
         let text = std::fs::read_to_string(folder.path().join(METRICS_FILE)).unwrap();
         let lines: Vec<serde_json::Value> = text.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
         let loss = |line: &serde_json::Value| line["losses"]["supervised"].as_f64().unwrap();
@@ -355,7 +369,7 @@ mod tests {
     fn a_contact_sheet_lies_beside_the_checkpoint() {
         let folder = tempfile::tempdir().unwrap();
         let config = Config { save_secs: 0.0, ..config(folder.path(), 1) };
-        train(&config, Nets::start(&config).unwrap(), &toy(2, (16, 8)), &AtomicBool::new(false)).unwrap();
+        train(&config, Nets::start(&config).unwrap(), &toy(2, (16, 8)), None, &AtomicBool::new(false)).unwrap();
         let sheet = image::open(folder.path().join(SHEET_FILE)).unwrap();
         // Two samples, five pictures each, 4 px between them; 160 px of 16×8 are 80 px high.
         assert_eq!((sheet.width(), sheet.height()), (5 * (TILE_PX as u32 + 4), 2 * (640 + 4)));
@@ -373,7 +387,7 @@ mod tests {
             Ok(batch)
         });
         let config = config(folder.path(), 5);
-        let result = train(&config, Nets::start(&config).unwrap(), &poisoned, &AtomicBool::new(false));
+        let result = train(&config, Nets::start(&config).unwrap(), &poisoned, None, &AtomicBool::new(false));
         let text = result.err().unwrap().to_string();
         assert!(text.contains("step 2") && text.contains("samples 4"), "{text}");
     }

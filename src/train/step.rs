@@ -32,6 +32,9 @@ pub struct Report {
 /// Long side at which the losses' weights are meant; ray depths in px shrink with the picture.
 const UNIT_SIDE_PX: f32 = 288.0;
 
+/// The share of the largest errors that is trimmed where the truth is worth nothing.
+const MOST_TRIMMED: f32 = 0.25;
+
 /// Tell the chance of left-out channels and of blank patches from that of the data.
 const DROPPING: u64 = 0x6472_6f70;
 const BLANKING: u64 = 0x626c_616e;
@@ -57,21 +60,29 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
     if weights.w_row > 0.0 {
         parts.insert("row", loss::row_centred(maps, depth, truth, weights.w_row / small, g) / small);
     }
+    // What is true is true in its finer steps, too.
+    let finer = |worth: &f32| if *worth < 1.0 { 1.0 } else { 0.4 };
+    let apart: Vec<f32> = batch.worth.iter().map(|w| weights.ordinal_apart_px * small * finer(w)).collect();
     let pairs = [("ordinal", Along::Rows, weights.w_ordinal), ("columns", Along::Columns, weights.w_columns)];
     for (name, along, weight) in pairs.into_iter().filter(|(.., weight)| *weight > 0.0) {
-        let apart = weights.ordinal_apart_px * small;
-        parts.insert(name, loss::ordinal(maps, depth, truth, along, apart, weight / small, g) / small);
+        parts.insert(name, loss::ordinal(maps, depth, truth, along, &apart, weight / small, g) / small);
     }
     if weights.w_affine > 0.0 {
         let size = maps.views.len() * maps.plane();
         let samples = depth.par_chunks(size).zip(truth.par_chunks(size));
-        let fits: Vec<_> = samples.map(|(d, t)| loss::affine_fit(d, t)).collect();
+        let fit = |((d, t), worth): ((&[f32], &[f32]), &f32)| {
+            loss::Fit { affine: loss::affine_fit(d, t), trim: MOST_TRIMMED * (1.0 - worth) }
+        };
+        let fits: Vec<_> = samples.zip(&batch.worth).map(fit).collect();
         parts.insert(
             "affine",
             loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
         );
     }
     smoothness(maps, depth, weights, small, g, &mut parts);
+    // What is worth less moves the net less; the losses told are those of all.
+    let one = maps.views.len() * maps.plane();
+    gradient.chunks_mut(one).zip(&batch.worth).for_each(|(g, worth)| g.iter_mut().for_each(|g| *g *= worth));
     (parts, gradient)
 }
 
@@ -370,7 +381,7 @@ mod tests {
         let next_row = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0];
         let reference = [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0];
         let truth = [left_view, next_row, reference, reference].concat();
-        let batch = Batch { views: vec![0.0; 3 * maps.len()], truth, first_sample: 0, yx: vec![[0.0; 4]], maps };
+        let batch = Batch { views: vec![0.0; 3 * maps.len()], truth, first_sample: 0, yx: vec![[0.0; 4]], worth: vec![1.0], maps };
         let ends = ends_of_rays(&batch);
         let (h, s, o) = (RayEnd::Hidden, RayEnd::Seen, RayEnd::Outside);
         assert_eq!(ends[..8], [h, h, h, h, s, s, s, s]);

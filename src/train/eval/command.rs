@@ -11,7 +11,9 @@ use plenoscope::job::{Cancel, Job};
 use serde_json::{Value, json};
 
 use super::light_field::{Closeness, Figures};
-use super::{Models, Predictor, TrueField, constructed, light_field, phone, photos, sheet};
+use super::photos::LONG_SIDE;
+use super::{Models, Predictor, TrueField, constructed, light_field, phone, photos, sheet, truth};
+use crate::scenes;
 
 /// Width of a picture on a contact sheet.
 const TILE: usize = 240;
@@ -25,6 +27,16 @@ pub fn command() -> Command {
         .arg(arg!(--photos "The validation photos of the data folder, too"))
         .arg(arg!(--data <DIR> "Folder of flowers/ and everyday/").default_value("data").value_parser(path()))
         .arg(arg!(--scenes <N> "Constructed validation scenes").default_value("24").value_parser(value_parser!(usize)))
+        .arg(
+            arg!(--depth <DIR> "Photos with measured depth, as everyday10k holds them")
+                .required(false)
+                .value_parser(path()),
+        )
+        .arg(
+            arg!(--solid <N> "Scenes in three dimensions, of meshes and textures of --data that training never sees")
+                .default_value("0")
+                .value_parser(value_parser!(usize)),
+        )
         .arg(arg!(--models <DIR> "Models, laid out like models/").required(false).value_parser(path()))
         .arg(
             arg!(--net <NAME> "A depth net of theirs other than the pair's own, such as paper-flowers").required(false),
@@ -44,8 +56,8 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let models = Models::load(folder, matches.get_one::<String>("net").map(String::as_str), threads)?;
     let files: Vec<PathBuf> = matches.get_many("FILE").into_iter().flatten().cloned().collect();
     anyhow::ensure!(
-        !files.is_empty() || matches.get_flag("photos"),
-        "nothing to evaluate — give light fields, photos with depth, or --photos"
+        !files.is_empty() || ["photos", "depth", "solid"].iter().any(|name| given(matches, name)),
+        "nothing to evaluate — give light fields, photos with depth, --photos, --depth DIR or --solid N"
     );
     let sheets = matches.get_one::<PathBuf>("sheets");
     if let Some(folder) = sheets {
@@ -60,19 +72,109 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     put("phones.png", &found.phone_rows)?;
     let figures = found.fields;
     let photos = if matches.get_flag("photos") { Some(photo_figures(matches, &models, &put)?) } else { None };
+    let judged = against_truth(matches, &models, &put)?;
     let tags: Vec<_> = models.tags().iter().map(|tag| json!({"id": tag.id, "sha256": tag.sha256})).collect();
     if matches.get_flag("json") {
         let value = json!({
             "models": tags, "light_fields": figures, "mean": mean_of(&figures), "phones": found.phones, "photos": photos,
+            "truth": judged.iter().map(|(title, groups)| json!({"of": title, "kinds": groups})).collect::<Vec<_>>(),
         });
         return Ok(format!("{value}\n"));
     }
     let mut text = table(&figures);
     text.extend(found.phones.iter().map(phone_line));
+    text.extend(judged.iter().map(|(title, groups)| truth::table(title, groups)));
     if let Some(photos) = photos {
         let _ = writeln!(text, "{}", serde_json::to_string_pretty(&photos)?);
     }
     Ok(text)
+}
+
+/// Whether an option was named on the command line.
+fn given(matches: &ArgMatches, name: &str) -> bool {
+    matches.value_source(name) == Some(clap::parser::ValueSource::CommandLine)
+}
+
+/// Measured depth and drawn scenes, as far as they are asked for.
+fn against_truth(
+    matches: &ArgMatches,
+    models: &dyn Predictor,
+    put: &PutSheet,
+) -> Result<Vec<(String, Vec<truth::Group>)>> {
+    let mut judged = Vec::new();
+    if let Some(folder) = matches.get_one::<PathBuf>("depth") {
+        let (pictures, notes) = scenes::measured(folder, LONG_SIDE)?;
+        let report = judge(&pictures, models)?;
+        put("measured.png", &report.rows)?;
+        let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
+        judged.push((format!("{notes}measured depth, places that no net is trained on"), truth::groups(&report.figures)));
+    }
+    let count = matches.get_one::<usize>("solid").copied().unwrap_or(0);
+    if count > 0 {
+        let report = judge_scenes(matches.get_one::<PathBuf>("data").cloned().unwrap_or_default(), count, models)?;
+        put("scenes.png", &report.rows)?;
+        judged.push(("scenes in three dimensions, held out".to_owned(), truth::groups(&report.figures)));
+    }
+    Ok(judged)
+}
+
+/// Figures, and pictures of some.
+#[derive(Default)]
+struct Judged {
+    figures: Vec<truth::Figures>,
+    rows: Vec<Vec<super::Rgb>>,
+}
+
+impl Judged {
+    fn add(&mut self, found: &truth::Compared, of: [&str; 2], photo: &super::Rgb, every: usize) {
+        if self.figures.len().is_multiple_of(every) {
+            self.rows.push(found.tiles(photo));
+        }
+        self.figures.push(found.figures(of[0], of[1]));
+    }
+}
+
+fn judge(pictures: &[scenes::Picture], models: &dyn Predictor) -> Result<Judged> {
+    let mut judged = Judged::default();
+    let bar = progress("measured depth");
+    for picture in pictures {
+        let Some(map) = &picture.nearness else { continue };
+        let photo = picture.rgb.map(|texel| texel.map(|c| f32::from(c) / 255.0));
+        let prediction = models.predict(&photo)?;
+        let known = |i: usize| picture.holes.as_ref().is_none_or(|holes| holes.px[i] < 64);
+        let truth: Vec<f32> =
+            (0..map.px.len()).map(|i| if known(i) { f32::from(map.px[i]) } else { f32::NAN }).collect();
+        let depth = prediction.view(scenes::REFERENCE, photo.px.len());
+        let found = truth::Compared { size: photo.size, depth, truth: &truth };
+        judged.add(&found, [&picture.id, &picture.kind], &photo, pictures.len().div_ceil(12));
+        step(&bar, pictures.len());
+    }
+    bar.finish_and_clear();
+    Ok(judged)
+}
+
+/// Width and height of the scenes that nets are judged by.
+const SCENE_PX: [usize; 2] = [160, 120];
+
+fn judge_scenes(data: PathBuf, count: usize, models: &dyn Predictor) -> Result<Judged> {
+    let mix = scenes::Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0, solid: 1.0 };
+    let (long_side, split) = (SCENE_PX[0], scenes::Split::Val);
+    let source = scenes::Source::new(&scenes::Config { data, long_side, crop: SCENE_PX, mix, split, ..Default::default() })?;
+    let mut judged = Judged::default();
+    let bar = progress("scenes");
+    for index in 0..count as u64 {
+        let sample = source.solid_scene(index, SCENE_PX);
+        let plane = SCENE_PX[0] * SCENE_PX[1];
+        let px = (0..plane).map(|i| [0, 1, 2].map(|c| sample.rgb[c * plane + i])).collect();
+        let photo = crate::scenes::raster::Raster { size: SCENE_PX, px };
+        let prediction = models.predict(&photo)?;
+        let depth = prediction.view(scenes::REFERENCE, plane);
+        let found = truth::Compared { size: SCENE_PX, depth, truth: &sample.disparity };
+        judged.add(&found, [&index.to_string(), &sample.origin], &photo, count.div_ceil(12));
+        step(&bar, count);
+    }
+    bar.finish_and_clear();
+    Ok(judged)
 }
 
 /// What was found on the files that were named, and pictures of it.
@@ -175,7 +277,7 @@ fn table(figures: &[Figures]) -> String {
         let _ = writeln!(
             text,
             "{}: corner L1 copy {:.4}, flat {:.4}, predicted {:.4}, fit {:.4}, sweep {:.4}: {:.0} % closed (by the \
-             swept depth {:.0} %); depth correlation {:.2}, MAE {:.3} px",
+             swept depth {:.0} %: {:.2} of what is possible by one map); depth correlation {:.2}, MAE {:.3} px",
             f.name,
             c.copy,
             c.flat,
@@ -184,6 +286,7 @@ fn table(figures: &[Figures]) -> String {
             c.sweep,
             100.0 * c.closed,
             100.0 * c.swept_depth_closed,
+            c.of_possible,
             f.depth_correlation,
             f.depth_mae_px
         );

@@ -50,6 +50,8 @@ pub struct Corners {
     pub closed: f32,
     /// The same of the swept depth in place of the fit.
     pub swept_depth_closed: f32,
+    /// Closed / closed by the swept depth: the share of what one map for all views can reach.
+    pub of_possible: f32,
 }
 
 /// The predicted ray depths against true ones.
@@ -199,7 +201,9 @@ fn corners(field: &TrueField, prediction: &Prediction, lambertian: &[Rgb]) -> (C
 impl Corners {
     fn beside(self, swept_depth: f32, sweep: f32) -> Self {
         let closed = |l1: f32| (self.flat - l1) / (self.flat - sweep).max(1e-6);
-        Self { swept_depth, sweep, closed: closed(self.fit), swept_depth_closed: closed(swept_depth), ..self }
+        let (own, possible) = (closed(self.fit), closed(swept_depth));
+        let of_possible = if possible > 0.0 { own / possible } else { 0.0 };
+        Self { swept_depth, sweep, closed: own, swept_depth_closed: possible, of_possible, ..self }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A [`Predictor`] gets the reference view alone and gives ray depths of all 64 views (and corrected views, if it has
 //! an occlusion net); [`light_field`] compares with the true views, [`phone`] with the depth that came with a photo,
-//! [`photos`] with masks and nearness maps, [`constructed`] with scenes whose ray depths are known. Every figure on light
+//! [`photos`] with masks and nearness maps, [`constructed`] with scenes whose ray depths are known, [`truth`] with
+//! measured depth and with scenes in three dimensions. Every figure on light
 //! fields stands beside copying the photo, the best plane and a plane sweep over the true views.
 //!
 //! * *Corner views*: (0,0) (0,7) (7,0) (7,7). *Outermost views*: the 28 on the rim.
@@ -22,6 +23,7 @@ pub mod phone;
 pub mod photos;
 pub mod sheet;
 pub mod sweep;
+pub mod truth;
 pub mod warp;
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::metrics::{mean, median, spearman, within_rows};
 use super::sheet::{depth_tile, usual_range};
+use super::truth::interval;
 use super::{EvalError, Predictor, Rgb};
 use crate::scenes::raster::{Raster, distance_inside};
 use crate::scenes::{Config, Library, Mix, Picture, REFERENCE, SceneError, Split};
@@ -41,7 +42,7 @@ pub struct PhotoFigures {
 /// Means over a folder.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// `flowers` or `everyday`.
+    /// `flowers`, `everyday` or `everyday10k`.
     pub folder: String,
     /// Photos.
     pub count: usize,
@@ -57,6 +58,8 @@ pub struct Summary {
     pub spearman: Option<f32>,
     /// That of the row number.
     pub rows_spearman: Option<f32>,
+    /// Spearman above that of the row number, and its 95 % interval over photos.
+    pub margin: Option<[f32; 3]>,
     /// Mean correlation within rows.
     pub within_rows: Option<f32>,
 }
@@ -102,8 +105,10 @@ pub fn evaluate(
         return Err(EvalError::NoPhotos(data.to_owned()).into());
     }
     let mut report = Report { summaries: Vec::new(), photos: Vec::new(), tiles: Vec::new() };
-    for folder in ["flowers", "everyday"] {
-        let inside: Vec<&Picture> = library.pictures.iter().filter(|p| p.id.starts_with(folder)).collect();
+    for folder in ["flowers", "everyday", "everyday10k"] {
+        // Measured depth is judged elsewhere.
+        let here = |p: &&Picture| !p.measured && p.id.split_once('/').is_some_and(|(own, _)| own == folder);
+        let inside: Vec<&Picture> = library.pictures.iter().filter(here).collect();
         let mut photos = Vec::with_capacity(inside.len());
         for (i, picture) in inside.iter().enumerate() {
             let rgb = picture.rgb.map(|texel| texel.map(|c| f32::from(c) / 255.0));
@@ -158,8 +163,15 @@ fn summary(folder: &str, photos: &[PhotoFigures]) -> Summary {
         border_slope: of(|p| p.border_slope),
         spearman: of(|p| p.spearman),
         rows_spearman: of(|p| p.rows_spearman),
+        margin: margin(photos),
         within_rows: of(|p| p.within_rows),
     }
+}
+
+fn margin(photos: &[PhotoFigures]) -> Option<[f32; 3]> {
+    let margins: Vec<f32> = photos.iter().filter_map(|p| Some(p.spearman? - p.rows_spearman?)).collect();
+    let [low, high] = interval(&margins);
+    Some([mean(margins.iter().copied())?, low, high])
 }
 
 /// Median inside a mask minus median 3 … 15 px outside it; none where one of the two is empty.

@@ -9,7 +9,7 @@ mod supervised;
 
 pub use photometric::{photometric, rendered_gradient, rendered_views};
 pub use smooth::{consistency, total_variation};
-pub use supervised::{Along, affine, affine_fit, ordinal, row_centred, supervised};
+pub use supervised::{Along, Fit, affine, affine_fit, ordinal, row_centred, supervised};
 
 use crate::nets::REFERENCE;
 

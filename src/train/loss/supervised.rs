@@ -45,13 +45,22 @@ pub fn affine_fit(depth: &[f32], truth: &[f32]) -> (f32, f32) {
 /// Distances in px over which gradients of the residual are compared.
 const STRIDES: [usize; 4] = [1, 2, 4, 8];
 
+/// How the prediction of a sample is brought to its truth.
+#[derive(Clone, Copy, Debug)]
+pub struct Fit {
+    /// Scale and shift; constants.
+    pub affine: (f32, f32),
+    /// The share of the largest differences that counts nowhere: where another net made the map, they are its errors.
+    pub trim: f32,
+}
+
 /// Affine-invariant loss of each sample, mean over samples: mean |s·D + t − D*| plus `edges` times the mean absolute
-/// differences of that residual over 1, 2, 4 and 8 px in x and y. `fits` gives (s, t) of each sample; they are constants.
+/// differences of that residual over 1, 2, 4 and 8 px in x and y. `fits` gives (s, t) of each sample.
 pub fn affine(
     maps: &Maps,
     depth: &[f32],
     truth: &[f32],
-    fits: &[(f32, f32)],
+    fits: &[Fit],
     edges: f32,
     weight: f32,
     gradient: &mut [f32],
@@ -61,8 +70,9 @@ pub fn affine(
     let values: Vec<f32> =
         (depth.par_chunks(per_sample), truth.par_chunks(per_sample), gradient.par_chunks_mut(per_sample), fits)
             .into_par_iter()
-            .map(|(d, t, g, &(scale, shift))| {
-                let residual: Vec<f32> = d.iter().zip(t).map(|(d, t)| scale * d + shift - t).collect();
+            .map(|(d, t, g, &Fit { affine: (scale, shift), trim })| {
+                let mut residual: Vec<f32> = d.iter().zip(t).map(|(d, t)| scale * d + shift - t).collect();
+                trim_largest(&mut residual, trim);
                 let mut back = vec![0.0; residual.len()];
                 let mut loss = absolute(&residual, 1.0, &mut back);
                 for stride in STRIDES {
@@ -75,6 +85,17 @@ pub fn affine(
             })
             .collect();
     values.iter().sum::<f32>() / n
+}
+
+/// Forgets this share of what is known, the largest first.
+fn trim_largest(residual: &mut [f32], share: f32) {
+    let mut sizes: Vec<f32> = residual.iter().filter(|r| !r.is_nan()).map(|r| r.abs()).collect();
+    let kept = ((1.0 - share) * sizes.len() as f32) as usize;
+    if share <= 0.0 || kept == 0 || kept >= sizes.len() {
+        return;
+    }
+    let largest = *sizes.select_nth_unstable_by(kept, f32::total_cmp).1;
+    residual.iter_mut().filter(|r| r.abs() >= largest).for_each(|r| *r = f32::NAN);
 }
 
 fn absolute(residual: &[f32], weight: f32, back: &mut [f32]) -> f32 {
@@ -152,25 +173,27 @@ pub enum Along {
     Columns,
 }
 
-/// Order of pairs whose true ray depths differ by at least `apart` px: mean of max(0, margin − (D₁ − D₂)·sign(D₁* − D₂*))
+/// Order of pairs whose true ray depths differ by at least `apart` px of their sample: mean of max(0, margin − (D₁ − D₂)·sign(D₁* − D₂*))
 /// with a margin of |D₁* − D₂*|, at most twice `apart`.
 pub fn ordinal(
     maps: &Maps,
     depth: &[f32],
     truth: &[f32],
     along: Along,
-    apart: f32,
+    apart: &[f32],
     weight: f32,
     gradient: &mut [f32],
 ) -> f32 {
     let plane = maps.plane();
-    let apart_in = |t: &[f32]| pairs(maps, along).filter(|&(i, j)| (t[i] - t[j]).abs() >= apart).count();
-    let count = truth.par_chunks(plane).map(apart_in).sum::<usize>().max(1);
+    let apart = |map: usize| apart[map / maps.views.len()];
+    let far = |(map, t): (usize, &[f32])| pairs(maps, along).filter(|&(i, j)| (t[i] - t[j]).abs() >= apart(map)).count();
+    let count = truth.par_chunks(plane).enumerate().map(far).sum::<usize>().max(1);
     let k = weight / count as f32;
     let sums: Vec<f64> = (depth.par_chunks(plane), truth.par_chunks(plane), gradient.par_chunks_mut(plane))
         .into_par_iter()
-        .map(|(d, t, g)| {
-            let mut sum = 0.0f64;
+        .enumerate()
+        .map(|(map, (d, t, g))| {
+            let (mut sum, apart) = (0.0f64, apart(map));
             for (i, j) in pairs(maps, along) {
                 let step = t[i] - t[j];
                 // NaN steps (an end unknown) fail the comparison.

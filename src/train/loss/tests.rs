@@ -47,9 +47,10 @@ fn supervised_losses_have_their_derivatives() {
     let (depth, truth) = (random(maps.len(), 1, -1.0, 1.0), truth_with_gaps(maps.len()));
     check(&depth, |d, w, g| supervised(d, &truth, w, g));
     check(&depth, |d, w, g| row_centred(&maps, d, &truth, w, g));
-    check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Rows, 0.3, w, g));
-    check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Columns, 0.3, w, g));
-    check(&depth, |d, w, g| affine(&maps, d, &truth, &[(0.7, 0.1), (1.3, -0.2)], 0.5, w, g));
+    check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Rows, &[0.3, 0.2], w, g));
+    check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Columns, &[0.3, 0.2], w, g));
+    let fits = [((0.7, 0.1), 0.0), ((1.3, -0.2), 0.15)].map(|(affine, trim)| Fit { affine, trim });
+    check(&depth, |d, w, g| affine(&maps, d, &truth, &fits, 0.5, w, g));
 }
 
 #[test]
@@ -83,7 +84,21 @@ fn an_affine_change_of_the_truth_is_found_and_costs_nothing() {
     let depth: Vec<f32> = truth.iter().map(|t| if t.is_nan() { 3.0 } else { t / 1.5 + 0.4 }).collect();
     let fit = affine_fit(&depth, &truth);
     assert!((fit.0 - 1.5).abs() < 1e-3 && (fit.1 + 0.6).abs() < 1e-3, "{fit:?}");
-    assert!(affine(&maps, &depth, &truth, &[fit], 0.5, 1.0, &mut vec![0.0; maps.len()]) < 1e-4);
+    assert!(affine(&maps, &depth, &truth, &[Fit { affine: fit, trim: 0.0 }], 0.5, 1.0, &mut vec![0.0; maps.len()]) < 1e-4);
+}
+
+#[test]
+fn trimmed_errors_of_a_map_cost_nothing() {
+    let maps = Maps { samples: 1, ..maps() };
+    let truth = random(maps.len(), 5, -1.0, 1.0);
+    let wrong: Vec<f32> = truth.iter().enumerate().map(|(i, t)| if i % 8 == 0 { t + 3.0 } else { *t }).collect();
+    let loss = |trim| {
+        let mut gradient = vec![0.0; maps.len()];
+        (affine(&maps, &wrong, &truth, &[Fit { affine: (1.0, 0.0), trim }], 0.0, 1.0, &mut gradient), gradient)
+    };
+    assert!(loss(0.0).0 > 0.3);
+    let (value, gradient) = loss(0.2);
+    assert!(value < 1e-6 && gradient.iter().step_by(8).all(|g| *g == 0.0), "{value}");
 }
 
 #[test]

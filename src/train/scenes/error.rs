@@ -42,6 +42,12 @@ pub enum SceneError {
         /// The folder.
         path: PathBuf,
     },
+    /// Nothing to be judged by.
+    #[error("the folder holds no photos with measured depth; expected manifest.jsonl, ID.jpg and ID.nearness.png: {}", path.display())]
+    NoDepth {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Numbers that cannot work.
     #[error("{what} is {got}; expected {expected}")]
     Config {

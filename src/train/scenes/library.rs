@@ -1,8 +1,10 @@
 //! The pictures that samples are made of, decoded once and kept small in memory.
 //!
-//! Folders (see `manifest.jsonl` in each): `flowers/` and `everyday/` with `split` train or val, `photos_depth/` with
-//! nearness maps of flower photos, `lightfields/`. What is marked val is read only where validation is asked for, and
-//! the two validation light fields never; a flower's nearness map is used only on the flower's own side of the split.
+//! Folders (see `manifest.jsonl` in each): `flowers/`, `everyday/` and `everyday10k/` with `split` train or val,
+//! `photos_depth/` with nearness maps of flower photos, `lightfields/`. What is marked val is read only where validation
+//! is asked for, and the two validation light fields never; a flower's nearness map is used only on the flower's own side
+//! of the split. Of photos with measured depth, whole places are kept for validation ([`PLACES_HELD_OUT`]). A file that
+//! cannot be used is told in [`Library::notes`], and the rest goes on.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -13,7 +15,7 @@ use serde::Deserialize;
 
 use super::cutout::Cutout;
 use super::fields::{self, Field};
-use super::raster::Raster;
+use super::raster::{Raster, push_pull};
 use super::{Config, SceneError, Split};
 use plenoscope::field::fit_long_side;
 
@@ -27,18 +29,27 @@ pub struct Picture {
     pub mask: Option<Raster<u8>>,
     /// Nearness, stretched so that 0 … 255 is −0.05 … 1.05 between far and near; none where it is doubtful.
     pub nearness: Option<Raster<u8>>,
+    /// Where the map knows nothing, 255 there.
+    pub holes: Option<Raster<u8>>,
+    /// Whether the map was measured, by a sensor or by stereo.
+    pub measured: bool,
+    /// What the map is worth, 0 … 1.
+    pub worth: f32,
+    /// People, room, street …
+    pub kind: String,
     cutout: OnceLock<Option<Cutout>>,
 }
 
 impl Picture {
     /// A picture from its parts.
     pub fn new(id: String, rgb: Raster<[u8; 3]>, mask: Option<Raster<u8>>, nearness: Option<Raster<u8>>) -> Self {
-        Self { id, rgb, mask, nearness, cutout: OnceLock::new() }
+        let (holes, kind) = (None, String::new());
+        Self { id, rgb, mask, nearness, holes, measured: false, worth: 1.0, kind, cutout: OnceLock::new() }
     }
 
     /// Whether the photo comes from one of the flower folders.
     pub fn is_flower(&self) -> bool {
-        !self.id.starts_with("everyday/")
+        self.id.starts_with("flowers/") || self.id.starts_with("photos_depth/")
     }
 
     /// The subject and what is behind it, made at its first use; none without a mask.
@@ -54,6 +65,8 @@ pub struct Library {
     pub pictures: Vec<Picture>,
     /// Real light fields.
     pub fields: Vec<Field>,
+    /// A sentence for each file that was left out.
+    pub notes: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -63,17 +76,53 @@ struct Entry {
     split: Option<Split>,
     #[serde(default)]
     gate: Option<String>,
+    #[serde(default)]
+    label: Option<String>,
+    #[serde(default)]
+    kind: Option<String>,
+    #[serde(default)]
+    invalid_zero: bool,
+    #[serde(default)]
+    squeezed: Option<bool>,
 }
+
+/// Places (beginnings of names in `everyday10k/`) whose measured depth is for validation alone: frames of one place are
+/// too alike to be on both sides.
+pub const PLACES_HELD_OUT: [&str; 4] = ["repl_", "rccube_", "aimsl_", "pose6d_"];
+
+/// Photos that a source pressed into a square were mostly this much wider.
+const SQUEEZED_BY: f32 = 4.0 / 3.0;
+
 
 impl Entry {
     fn split(&self) -> Split {
-        self.split.unwrap_or(Split::Train)
+        let held_out = self.is_measured() && PLACES_HELD_OUT.iter().any(|place| self.id.starts_with(place));
+        if held_out { Split::Val } else { self.split.unwrap_or(Split::Train) }
+    }
+
+    fn is_measured(&self) -> bool {
+        matches!(self.label.as_deref(), Some("sensor" | "stereo"))
+    }
+
+    /// Measured depth is the truth; a map of another net is worth what it agrees with itself.
+    fn worth(&self) -> f32 {
+        match self.gate.as_deref() {
+            _ if self.is_measured() => 1.0,
+            Some("mask") => 0.4,
+            Some("soft") => 0.3,
+            _ => 0.6,
+        }
+    }
+
+    fn has_map(&self) -> bool {
+        self.gate.as_deref() != Some("doubtful")
     }
 }
 
 /// One line of a manifest, told where its files lie.
-struct Item {
+struct Item<'a> {
     id: String,
+    entry: &'a Entry,
     photo: std::path::PathBuf,
     mask: std::path::PathBuf,
     nearness: Option<std::path::PathBuf>,
@@ -83,14 +132,20 @@ impl Library {
     /// Reads what `config` asks for from `config.data`.
     ///
     /// # Errors
-    /// A file that is missing, unreadable or of another size than its photo; a folder without any pictures.
+    /// A folder without any pictures; a light field that is none.
     pub fn load(config: &Config) -> Result<Self, SceneError> {
-        let items = items(&config.data, config.split)?;
+        let mut notes = Vec::new();
+        let manifests = FOLDERS.map(|name| manifest(&config.data.join(name), &mut notes));
+        let items = items(&config.data, &manifests, config.split);
         let long_side = config.long_side + config.long_side / 5;
-        let pictures = items.par_iter().map(|item| read_picture(item, long_side)).collect::<Result<_, _>>()?;
+        let read: Vec<_> = items.par_iter().map(|item| read_picture(item, long_side)).collect();
+        let mut pictures = Vec::with_capacity(read.len());
+        for picture in read {
+            picture.map_or_else(|note| notes.push(note.to_string()), |picture| pictures.push(picture));
+        }
         let wanted = config.mix.real > 0.0 && config.split == Split::Train;
         let fields = if wanted { fields::read(&config.data, config.long_side)? } else { Vec::new() };
-        let library = Self { pictures, fields };
+        let library = Self { pictures, fields, notes };
         if library.pictures.is_empty() && library.fields.is_empty() {
             return Err(SceneError::Empty { path: config.data.clone() });
         }
@@ -98,54 +153,95 @@ impl Library {
     }
 }
 
-fn manifest(folder: &Path) -> Result<Vec<Entry>, SceneError> {
-    let path = folder.join("manifest.jsonl");
-    if !path.exists() {
-        return Ok(Vec::new());
+/// Photos of a folder whose depth was measured and that no net is trained on; all of a folder that tells no labels. And
+/// a sentence for each file that was left out.
+///
+/// # Errors
+/// A folder without such photos.
+pub fn measured(folder: &Path, long_side: usize) -> Result<(Vec<Picture>, Vec<String>), SceneError> {
+    let mut notes = Vec::new();
+    let entries = manifest(folder, &mut notes);
+    let labelled = entries.iter().any(|entry| entry.label.is_some());
+    let wanted = |entry: &&Entry| !labelled || (entry.is_measured() && entry.split() == Split::Val);
+    let file = |entry: &Entry, ending: &str| folder.join(format!("{}.{ending}", entry.id));
+    let items: Vec<Item> = entries
+        .iter()
+        .filter(wanted)
+        .map(|entry| Item {
+            id: entry.id.clone(),
+            entry,
+            photo: file(entry, "jpg"),
+            mask: file(entry, "mask.png"),
+            nearness: Some(file(entry, "nearness.png")),
+        })
+        .collect();
+    let read: Vec<_> = items.par_iter().map(|item| read_picture(item, long_side)).collect();
+    let mut pictures = Vec::with_capacity(read.len());
+    for picture in read {
+        picture.map_or_else(|note| notes.push(note.to_string()), |picture| pictures.push(picture));
     }
-    let expected = "one JSON object with an id on each line";
-    let text = std::fs::read_to_string(&path).map_err(|e| SceneError::read("manifest", &path, e, expected))?;
-    text.lines()
-        .filter(|line| !line.trim().is_empty())
-        .map(|line| serde_json::from_str(line).map_err(|e| SceneError::read("manifest", &path, e, expected)))
-        .collect()
+    if pictures.is_empty() {
+        return Err(SceneError::NoDepth { path: folder.to_owned() });
+    }
+    Ok((pictures, notes))
 }
 
-fn items(data: &Path, split: Split) -> Result<Vec<Item>, SceneError> {
-    let [flowers, everyday, depth] = ["flowers", "everyday", "photos_depth"].map(|name| data.join(name));
-    let flower_entries = manifest(&flowers)?;
-    let depth_entries = manifest(&depth)?;
-    let mapped: HashSet<&str> = depth_entries.iter().map(|entry| entry.id.as_str()).collect();
-    let side: HashMap<&str, Split> = flower_entries.iter().map(|entry| (entry.id.as_str(), entry.split())).collect();
-    let mut items = Vec::new();
-    let item = |folder: &Path, name: &str, id: &str, nearness: Option<std::path::PathBuf>| Item {
-        id: format!("{name}/{id}"),
-        photo: folder.join(format!("{id}.jpg")),
-        mask: folder.join(format!("{id}.mask.png")),
-        nearness,
+/// Folders with a manifest.
+const FOLDERS: [&str; 4] = ["flowers", "everyday", "everyday10k", "photos_depth"];
+
+/// The entries of a folder's manifest; lines that are none are told.
+fn manifest(folder: &Path, notes: &mut Vec<String>) -> Vec<Entry> {
+    let path = folder.join("manifest.jsonl");
+    if !path.exists() {
+        return Vec::new();
+    }
+    let expected = "one JSON object with an id on each line";
+    let text = std::fs::read_to_string(&path).map_err(|e| SceneError::read("manifest", &path, e, expected));
+    let text = text.unwrap_or_else(|note| {
+        notes.push(note.to_string());
+        String::new()
+    });
+    let mut entries = Vec::new();
+    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+        let entry = serde_json::from_str(line).map_err(|e| SceneError::read("manifest", &path, e, expected));
+        entry.map_or_else(|note| notes.push(note.to_string()), |entry| entries.push(entry));
+    }
+    entries
+}
+
+fn items<'a>(data: &Path, [flowers, everyday, more, depth]: &'a [Vec<Entry>; 4], split: Split) -> Vec<Item<'a>> {
+    let mapped: HashSet<&str> = depth.iter().map(|entry| entry.id.as_str()).collect();
+    let side: HashMap<&str, Split> = flowers.iter().map(|entry| (entry.id.as_str(), entry.split())).collect();
+    let item = |name: &str, entry: &'a Entry, nearness: Option<&str>| Item {
+        id: format!("{name}/{}", entry.id),
+        photo: data.join(name).join(format!("{}.jpg", entry.id)),
+        mask: data.join(name).join(format!("{}.mask.png", entry.id)),
+        nearness: nearness.map(|folder| data.join(folder).join(format!("{}.nearness.png", entry.id))),
+        entry,
     };
-    for entry in flower_entries.iter().filter(|entry| entry.split() == split) {
-        let map = mapped.contains(entry.id.as_str()).then(|| depth.join(format!("{}.nearness.png", entry.id)));
-        items.push(item(&flowers, "flowers", &entry.id, map));
+    let mut items = Vec::new();
+    for entry in flowers.iter().filter(|entry| entry.split() == split) {
+        items.push(item("flowers", entry, mapped.contains(entry.id.as_str()).then_some("photos_depth")));
     }
-    for entry in manifest(&everyday)?.iter().filter(|entry| entry.split() == split) {
-        let doubtful = entry.gate.as_deref() == Some("doubtful");
-        let map = (!doubtful).then(|| everyday.join(format!("{}.nearness.png", entry.id)));
-        items.push(item(&everyday, "everyday", &entry.id, map));
-    }
-    if split == Split::Train {
-        for entry in depth_entries.iter().filter(|entry| !side.contains_key(entry.id.as_str())) {
-            let map = Some(depth.join(format!("{}.nearness.png", entry.id)));
-            items.push(item(&depth, "photos_depth", &entry.id, map));
+    for (name, entries) in [("everyday", everyday), ("everyday10k", more)] {
+        for entry in entries.iter().filter(|entry| entry.split() == split) {
+            items.push(item(name, entry, entry.has_map().then_some(name)));
         }
     }
-    Ok(items)
+    if split == Split::Train {
+        for entry in depth.iter().filter(|entry| !side.contains_key(entry.id.as_str())) {
+            items.push(item("photos_depth", entry, Some("photos_depth")));
+        }
+    }
+    items
 }
 
 fn read_picture(item: &Item, long_side: usize) -> Result<Picture, SceneError> {
     let photo = read_rgb("photo", &item.photo)?;
     let native = photo.size;
-    let size = fit_long_side(native.map(|side| side as u32), long_side as u32).map(|side| side as usize);
+    let stretched = if item.entry.squeezed == Some(true) { SQUEEZED_BY } else { 1.0 };
+    let shape = [(native[0] as f32 * stretched) as u32, native[1] as u32];
+    let size = fit_long_side(shape, long_side as u32).map(|side| side as usize);
     let mask = if item.mask.exists() {
         let mask = read_gray("mask", &item.mask)?;
         if mask.size != native {
@@ -156,9 +252,25 @@ fn read_picture(item: &Item, long_side: usize) -> Result<Picture, SceneError> {
     } else {
         None
     };
-    let nearness = item.nearness.as_ref().map(|path| read_gray("nearness map", path)).transpose()?;
-    let nearness = nearness.map(|map| stretch(&map.resized(size)));
-    Ok(Picture::new(item.id.clone(), to_u8(&photo.resized(size)), mask, nearness))
+    let mut picture = Picture::new(item.id.clone(), to_u8(&photo.resized(size)), mask, None);
+    if let Some(path) = &item.nearness {
+        let map = read_gray("nearness map", path)?;
+        let known: Vec<f32> =
+            map.px.iter().map(|texel| f32::from(!item.entry.invalid_zero || texel[0] > 0.0)).collect();
+        if known.iter().sum::<f32>() < 0.05 * known.len() as f32 {
+            return Err(SceneError::read("nearness map", path, "nearly all of it is unknown", "some depth"));
+        }
+        let range = usual_range(&map, &known);
+        if known.contains(&0.0) {
+            let holes = Raster { size: map.size, px: known.iter().map(|k| [255.0 * (1.0 - k)]).collect() };
+            picture.holes = Some(to_u8(&holes.resized(size)).map(|texel| texel[0]));
+        }
+        picture.nearness = Some(stretch(&push_pull(&map, &known).resized(size), range));
+    }
+    picture.worth = if picture.nearness.is_some() { item.entry.worth() } else { 1.0 };
+    picture.measured = item.entry.is_measured();
+    picture.kind = item.entry.kind.clone().unwrap_or_default();
+    Ok(picture)
 }
 
 fn decode(what: &'static str, path: &Path) -> Result<image::DynamicImage, SceneError> {
@@ -186,12 +298,16 @@ pub fn to_u8<const N: usize>(raster: &Raster<[f32; N]>) -> Raster<[u8; N]> {
     raster.map(|texel| texel.map(|value| (value + 0.5).clamp(0.0, 255.0) as u8))
 }
 
-/// A nearness map with its 2nd … 98th percentile brought to 0 … 1, stored as −0.05 … 1.05 over 0 … 255.
-fn stretch(map: &Raster<[f32; 1]>) -> Raster<u8> {
-    let mut sorted: Vec<f32> = map.px.iter().map(|texel| texel[0]).collect();
+/// 2nd and 98th percentile of what a map knows.
+fn usual_range(map: &Raster<[f32; 1]>, known: &[f32]) -> [f32; 2] {
+    let there = map.px.iter().zip(known).filter(|(_, k)| **k > 0.0);
+    let mut sorted: Vec<f32> = there.map(|(texel, _)| texel[0]).collect();
     sorted.sort_by(f32::total_cmp);
-    let at = |share: f32| sorted[((sorted.len() - 1) as f32 * share) as usize];
-    let (lo, hi) = (at(0.02), at(0.98));
+    [0.02, 0.98].map(|share| sorted[((sorted.len() - 1) as f32 * share) as usize])
+}
+
+/// A nearness map with its usual range brought to 0 … 1, stored as −0.05 … 1.05 over 0 … 255.
+fn stretch(map: &Raster<[f32; 1]>, [lo, hi]: [f32; 2]) -> Raster<u8> {
     map.map(|texel| byte_from_nearness((texel[0] - lo) / (hi - lo).max(1e-3)))
 }
 

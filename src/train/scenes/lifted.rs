@@ -43,7 +43,7 @@ fn placed_nearness(map: &Raster<u8>, place: &Place, size: [usize; 2]) -> Raster<
 
 fn sample(scene: &Scene, views: Vec<usize>, place: &Place, kind: Kind, origin: &str) -> Sample {
     let (rgb, disparity) = render(scene, &views);
-    Sample { size: scene.size, views, rgb, disparity, subject: None, yx: place.yx, kind, origin: origin.to_owned() }
+    Sample { size: scene.size, views, rgb, disparity, subject: None, yx: place.yx, kind, origin: origin.to_owned(), worth: 1.0 }
 }
 
 /// Depth of the two layers of a masked photo.
@@ -127,6 +127,7 @@ impl Source {
         }
         let scene = two_layers(&canvas, &place, cutout, &depths, behind, &tone);
         let mut sample = sample(&scene, views, &place, Kind::Lifted, &picture.id);
+        sample.worth = if picture.nearness.is_some() && !picture.is_flower() { picture.worth } else { 0.8 };
         add_noise(rng, &mut sample.rgb, &self.config);
         sample.subject = Some(subject(&canvas, &place, cutout));
         sample
@@ -156,11 +157,29 @@ impl Source {
             self.add_guest(rng, &canvas, &mut scene);
         }
         let mut sample = sample(&scene, views, &place, Kind::Pseudo, &picture.id);
+        sample.worth = picture.worth;
+        if let Some(holes) = &picture.holes {
+            forget(&mut sample, &place.fill(holes, full), canvas.margin);
+        }
         if self.config.augment {
             add_noise(rng, &mut sample.rgb, &self.config);
         }
         sample.subject = cutout.map(|cutout| subject(&canvas, &place, cutout));
         sample
+    }
+}
+
+/// Takes back the ray depths of what the map has no depth of; `holes` lies on the canvas.
+fn forget(sample: &mut Sample, holes: &Raster<f32>, margin: usize) {
+    let [w, h] = sample.size;
+    for (k, &layer) in sample.views.iter().enumerate() {
+        let (du, dv) = super::steps(layer);
+        for (i, d) in sample.disparity[k * w * h..][..w * h].iter_mut().enumerate() {
+            let [x, y] = [i % w, i / w].map(|at| (at + margin) as f32);
+            if holes.tap(x + du * *d, y + dv * *d) > 64.0 {
+                *d = f32::NAN;
+            }
+        }
     }
 }
 

@@ -11,6 +11,7 @@
 //! * **Pseudo**: a nearness map lifted to ray depths of all views, by following each ray to its first crossing. Before
 //!   every third one stands a cut-out of another photo, anywhere: what stands out is near, wherever it is.
 //! * **Real**: crops of real light fields; the reference view's ray depth is what a sweep over the views finds.
+//! * **Solid**: scenes in three dimensions ([`solid`]), drawn from every view's own centre.
 //!
 //! Nearness 0 … 1 becomes a disparity of `range · (nearness − 0.85)` with a range of 1.2 px per view step at a long
 //! side of 288 px, in proportion at others: the focal plane lies at the subject, backgrounds are negative.
@@ -28,6 +29,7 @@ mod plants;
 pub mod raster;
 mod real;
 mod sample;
+pub mod solid;
 mod walls;
 pub mod write;
 
@@ -43,13 +45,18 @@ use crate::rng::Rng;
 pub use error::SceneError;
 pub use fields::{Field, VALIDATION_LIGHT_FIELDS};
 use layer::Scene;
-pub use library::{Library, Picture, read_rgb};
+pub use library::{Library, Picture, measured, read_rgb};
 pub use mix::Mix;
 use place::{Canvas, Place};
 pub use sample::Sample;
+pub use solid::Curve;
+use solid::Stock;
 
 /// Layer of the reference view (4, 4).
 pub const REFERENCE: usize = 36;
+/// Shares of lifted maps whose depth was measured, and of the rest that show flowers.
+const MEASURED: f32 = 0.15;
+const FLOWERS: f32 = 0.2;
 /// Nearness of the focal plane.
 pub const FOCAL_NEARNESS: f32 = 0.85;
 
@@ -95,6 +102,8 @@ pub struct Config {
     /// Factors between which the ray depths of augmented samples are stretched. Where they differ, the focal plane lies
     /// anywhere from the far side to the near one in half of them: what works on ray depths must take any.
     pub stretch: [f32; 2],
+    /// What the disparity of scenes in three dimensions is linear in.
+    pub curve: Curve,
 }
 
 impl Default for Config {
@@ -113,6 +122,7 @@ impl Default for Config {
             augment: true,
             variety: 1.0,
             stretch: [1.0; 2],
+            curve: Curve::Camera,
         }
     }
 }
@@ -145,8 +155,8 @@ impl Config {
         if !(1..=64).contains(&self.views_per_sample) {
             return wrong("views_per_sample", self.views_per_sample.to_string(), "1 to 64");
         }
-        let Mix { lifted, collage, pseudo, real } = self.mix;
-        let shares = [lifted, collage, pseudo, real];
+        let Mix { lifted, collage, pseudo, real, solid } = self.mix;
+        let shares = [lifted, collage, pseudo, real, solid];
         if shares.iter().any(|share| !(0.0..=1e6).contains(share)) || shares.iter().sum::<f32>() <= 0.0 {
             return wrong("mix", format!("{shares:?}"), "shares of at least 0, not all 0");
         }
@@ -166,6 +176,8 @@ pub enum Kind {
     Pseudo,
     /// A real light field.
     Real,
+    /// A scene in three dimensions.
+    Solid,
 }
 
 /// Makes samples. Shared by threads; [`Source::sample`] depends on nothing but the configuration and the index.
@@ -174,8 +186,10 @@ pub struct Source {
     library: Library,
     /// Indices of pictures with a mask: flowers, and others.
     masked: [Vec<usize>; 2],
-    /// Indices of pictures with a nearness map: everyday photos, and flowers.
-    mapped: [Vec<usize>; 2],
+    /// Indices of pictures with a nearness map: everyday photos, flowers, and photos whose depth was measured.
+    mapped: [Vec<usize>; 3],
+    /// Meshes and textures, where the mix has scenes in three dimensions.
+    stock: Option<Stock>,
 }
 
 impl Source {
@@ -185,7 +199,13 @@ impl Source {
     /// Settings that cannot work; files that are missing, broken or do not fit together; an empty folder.
     pub fn new(config: &Config) -> Result<Self, SceneError> {
         config.check()?;
-        Ok(Self::from_library(config, Library::load(config)?))
+        let stock = (config.mix.solid > 0.0).then(|| Stock::load(&config.data, config.split));
+        // Such scenes are made of rules where there is nothing else.
+        let library = match Library::load(config) {
+            Err(SceneError::Empty { .. }) if stock.is_some() => Library::default(),
+            library => library?,
+        };
+        Ok(Self { stock, ..Self::from_library(config, library) })
     }
 
     /// A source over pictures that are in memory already.
@@ -195,8 +215,18 @@ impl Source {
         };
         let flower = Picture::is_flower;
         let masked = [pick(&|p| p.mask.is_some() && flower(p)), pick(&|p| p.mask.is_some() && !flower(p))];
-        let mapped = [pick(&|p| p.nearness.is_some() && !flower(p)), pick(&|p| p.nearness.is_some() && flower(p))];
-        Self { config: config.clone(), library, masked, mapped }
+        let map = |p: &Picture| p.nearness.is_some() && !p.measured;
+        let mapped = [
+            pick(&|p| map(p) && !flower(p)),
+            pick(&|p| map(p) && flower(p)),
+            pick(&|p| p.nearness.is_some() && p.measured),
+        ];
+        Self { config: config.clone(), library, masked, mapped, stock: None }
+    }
+
+    /// A sentence for each picture, mesh or texture that cannot be used and was left out.
+    pub fn notes(&self) -> impl Iterator<Item = &str> {
+        self.library.notes.iter().chain(self.stock.iter().flat_map(|stock| &stock.notes)).map(String::as_str)
     }
 
     /// The configuration.
@@ -219,24 +249,45 @@ impl Source {
         self.sample_sized(index, self.config.crop)
     }
 
+    /// The kind of sample `index`.
+    pub fn kind_of(&self, index: u64) -> Kind {
+        self.kind(&mut Rng::new(self.config.seed, index))
+    }
+
     /// Sample `index` in another size, such as a batch of portrait crops.
     pub fn sample_sized(&self, index: u64, crop: [usize; 2]) -> Sample {
+        self.sample_of_views(index, crop, self.views(index))
+    }
+
+    /// Its reference view alone.
+    pub fn reference_alone(&self, index: u64, crop: [usize; 2]) -> Sample {
+        self.sample_of_views(index, crop, vec![REFERENCE])
+    }
+
+    fn sample_of_views(&self, index: u64, crop: [usize; 2], views: Vec<usize>) -> Sample {
         let rng = &mut Rng::new(self.config.seed, index);
-        let views = self.views(index);
         match self.kind(rng) {
             Kind::Real => self.real(rng, crop, views),
+            Kind::Solid => self.solid(rng, index, crop, views),
             Kind::Lifted => {
                 let picture = self.masked_picture(rng, crop);
                 self.lifted(rng, crop, views, picture)
             }
             Kind::Collage => self.collage(rng, crop, views),
             Kind::Pseudo => {
-                let [others, flowers] = &self.mapped;
-                let list = either(rng, 0.25, flowers, others);
+                let [others, flowers, measured] = &self.mapped;
+                let rest = either(rng, FLOWERS, flowers, others);
+                let list = either(rng, MEASURED, measured, rest);
                 let picture = self.framed(rng, list, crop);
                 self.pseudo(rng, crop, views, picture)
             }
         }
+    }
+
+    /// Scene `index` in three dimensions as it is drawn for validation: the reference view alone.
+    pub fn solid_scene(&self, index: u64, size: [usize; 2]) -> Sample {
+        let plain = Canvas::new(size, self.config.range_px());
+        self.solid_of(index, size, vec![REFERENCE], &plain)
     }
 
     /// A masked photo as it is: whole, its depth as [`Kind::Lifted`] gives it without chance. For validation.
@@ -248,14 +299,15 @@ impl Source {
 
     /// The kind of a sample: by the mix, of what there is.
     fn kind(&self, rng: &mut Rng) -> Kind {
-        let Mix { lifted, collage, pseudo, real } = self.config.mix;
+        let Mix { lifted, collage, pseudo, real, solid } = self.config.mix;
         let masks = self.masked.iter().any(|list| !list.is_empty());
         let maps = self.mapped.iter().any(|list| !list.is_empty());
         let has = |share: f32, there: bool| if there { share } else { 0.0 };
-        let shares =
-            [has(lifted, masks), has(collage, masks), has(pseudo, maps), has(real, !self.library.fields.is_empty())];
-        let all = [Kind::Lifted, Kind::Collage, Kind::Pseudo, Kind::Real];
-        let there = [masks, masks, maps, !self.library.fields.is_empty()];
+        let fields = !self.library.fields.is_empty();
+        let all = [Kind::Lifted, Kind::Collage, Kind::Pseudo, Kind::Real, Kind::Solid];
+        let there = [masks, masks, maps, fields, self.stock.is_some()];
+        let given = [lifted, collage, pseudo, real, solid];
+        let shares: [f32; 5] = std::array::from_fn(|i| has(given[i], there[i]));
         if shares.iter().sum::<f32>() > 0.0 {
             return all[rng.weighted(&shares)];
         }
@@ -294,6 +346,39 @@ impl Source {
         let [flowers, others] = &self.masked;
         let list = either(rng, self.config.flowers, flowers, others);
         self.framed(rng, list, crop)
+    }
+
+    /// A scene in three dimensions.
+    fn solid(&self, rng: &mut Rng, index: u64, crop: [usize; 2], views: Vec<usize>) -> Sample {
+        let canvas = self.canvas(rng, crop);
+        self.solid_of(index, crop, views, &canvas)
+    }
+
+    fn solid_of(&self, index: u64, crop: [usize; 2], views: Vec<usize>, canvas: &Canvas) -> Sample {
+        let order = self.solid_order(crop, &views, canvas);
+        let made = solid::make(&order, self.config.seed, index);
+        let mut rgb = Vec::with_capacity(views.len() * 3 * crop[0] * crop[1]);
+        for picture in &made.pictures {
+            (0..3).for_each(|c| rgb.extend(picture.px.iter().map(|texel| texel[c])));
+        }
+        let disparity = made.disparities.concat();
+        let (yx, origin) = ([-1.0, 1.0, -1.0, 1.0], made.kind.to_owned());
+        Sample { size: crop, views, rgb, disparity, subject: None, yx, kind: Kind::Solid, origin, worth: 1.0 }
+    }
+
+    fn solid_order<'a>(&'a self, size: [usize; 2], views: &'a [usize], canvas: &Canvas) -> solid::Order<'a> {
+        static NOTHING: std::sync::LazyLock<Stock> = std::sync::LazyLock::new(Stock::default);
+        solid::Order {
+            stock: self.stock.as_ref().unwrap_or(&NOTHING),
+            photos: &self.library.pictures,
+            masked: &self.masked[1],
+            size,
+            views,
+            curve: self.config.curve,
+            range_px: canvas.range_px,
+            focus: canvas.focus,
+            noise: self.config.noise && self.config.augment,
+        }
     }
 
     fn canvas(&self, rng: &mut Rng, crop: [usize; 2]) -> Canvas {

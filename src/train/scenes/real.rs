@@ -33,6 +33,6 @@ impl Source {
         let [x0, x1] = if flip { [-x1, -x0] } else { [x0, x1] };
         let yx = [along(top, h), along(top + crop[1] - 1, h), x0, x1];
         let origin = field.name.clone();
-        Sample { size: crop, views, rgb, disparity, subject: None, yx, kind: Kind::Real, origin }
+        Sample { size: crop, views, rgb, disparity, subject: None, yx, kind: Kind::Real, origin, worth: 1.0 }
     }
 }

@@ -25,15 +25,15 @@ fn source(mix: Mix, views_per_sample: usize, seed: u64) -> Source {
             picture("everyday/b", 2, [115, 86]),
             picture("flowers/c", 3, [86, 115]),
         ],
-        fields: Vec::new(),
+        ..Library::default()
     };
     Source::from_library(&config, library)
 }
 
 const KINDS: [Mix; 3] = [
-    Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.0 },
-    Mix { lifted: 0.0, collage: 1.0, pseudo: 0.0, real: 0.0 },
-    Mix { lifted: 0.0, collage: 0.0, pseudo: 1.0, real: 0.0 },
+    Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.0, solid: 0.0 },
+    Mix { lifted: 0.0, collage: 1.0, pseudo: 0.0, real: 0.0, solid: 0.0 },
+    Mix { lifted: 0.0, collage: 0.0, pseudo: 1.0, real: 0.0, solid: 0.0 },
 ];
 
 #[test]
@@ -53,7 +53,7 @@ fn one_kind_of_photos_is_enough() {
     for id in ["flowers/a", "everyday/b"] {
         for mix in KINDS {
             let config = source(mix, 1, 7).config;
-            let library = Library { pictures: vec![picture(id, 1, [115, 86])], fields: Vec::new() };
+            let library = Library { pictures: vec![picture(id, 1, [115, 86])], ..Library::default() };
             let engine = Source::from_library(&config, library);
             assert!((0..12).all(|index| engine.sample(index).origin.starts_with(id)));
         }

@@ -53,6 +53,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         ..Config::default()
     };
     let source = Source::new(&config)?;
+    let notes: String = source.notes().map(|note| format!("{note}\n")).collect();
     let out = path("out");
     std::fs::create_dir_all(&out)?;
     let mut rows = Vec::new();
@@ -64,7 +65,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         rows.push(tiles(&pictures, &depths));
     }
     write_png(&out.join("sheet.png"), &join(&rows, 240))?;
-    Ok(format!("{} samples and sheet.png in {}\n", rows.len(), out.display()))
+    Ok(format!("{notes}{} samples and sheet.png in {}\n", rows.len(), out.display()))
 }
 
 /// Reference view, its ray depth, the first corner view, its ray depth, epipolar image of the middle row.

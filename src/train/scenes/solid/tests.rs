@@ -1,0 +1,115 @@
+//! Exact ray depths, views that agree, the same bytes, and scenes that the row number does not explain.
+
+use glam::Affine3A;
+
+use super::mesh::Paint;
+use super::*;
+use crate::scenes::layer::tap_rgb;
+
+const ALL: [usize; 4] = [36, 0, 7, 60];
+
+fn order<'a>(stock: &'a Stock, views: &'a [usize], curve: Curve) -> Order<'a> {
+    let (size, focus) = ([96, 72], 0.85);
+    Order { stock, photos: &[], masked: &[], size, views, curve, range_px: 0.4, focus, noise: false }
+}
+
+#[test]
+fn the_disparity_of_a_plane_is_that_of_the_formula_in_every_view() {
+    let size = [64, 48];
+    let camera = Camera::new(Vec3::new(0.3, 1.0, 0.2), [0.2, -0.3, 0.1], 60.0, size);
+    let mut world = World::default();
+    let floor = shapes::slab(Vec3::new(-40.0, 0.0, 40.0), Vec3::X * 80.0, Vec3::Z * -80.0, [1, 1]);
+    let paint = Paint { tint: [0.5; 3], skin: None, metres: Vec2::ONE, gloss: 0.0 };
+    world.add(&floor, Affine3A::IDENTITY, Some(&paint), true);
+    let frame = Frame::new(&mut world, &camera, size, Curve::Camera);
+    // f·b in px·m, and the focal plane at 2 m.
+    let (fb, focus) = (1.3, 0.5);
+    let lens = Lens { scale_px: fb, focus };
+    let mut buffer = Buffer::default();
+    let mut seen = 0;
+    for layer in 0..64 {
+        let (du, dv) = steps(layer);
+        frame.draw(&world, lens, Vec2::new(du, dv), &mut buffer);
+        for (i, &near) in buffer.near.iter().enumerate().filter(|(i, _)| buffer.face[*i] != NOTHING) {
+            let [x, y] = [i % buffer.size[0], i / buffer.size[0]].map(|j| (j as f32 - 0.5) / SUB as f32);
+            // The view's camera stands b·(du, dv) to the side; its picture is shifted back by f·b/z_f.
+            let baseline = fb / camera.focal_px;
+            let eye = camera.eye + (camera.axes[0] * du + camera.axes[1] * dv) * baseline;
+            let off = (Vec2::new(x, y) - Vec2::new(du, dv) * fb * focus - camera.middle) / camera.focal_px;
+            let ray = camera.axes[2] + camera.axes[0] * off.x + camera.axes[1] * off.y;
+            let z = -eye.y / ray.y;
+            let expected = fb * (1.0 / z - focus);
+            assert!((lens.disparity(near) - expected).abs() < 2e-4, "{layer} ({x}, {y}): {near} {expected}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 64 * 48 * 64, "{seen}");
+}
+
+#[test]
+fn a_scene_is_told_by_its_seed_and_number() {
+    let stock = Stock::default();
+    for index in 0..6 {
+        let draw = |seed| make(&order(&stock, &ALL, Curve::Camera), seed, index);
+        let (a, b) = (draw(3), draw(3));
+        assert!(a.pictures == b.pictures && a.disparities == b.disparities);
+        assert_ne!(draw(4).pictures[0], a.pictures[0]);
+    }
+}
+
+#[test]
+fn views_agree_along_their_ray_depths() {
+    let stock = Stock::default();
+    for curve in [Curve::Camera, Curve::Relief] {
+        let (mut sum, mut count, mut all) = (0.0, 0.0f32, 0.0f32);
+        for index in 0..10 {
+            let made = make(&order(&stock, &ALL, curve), 5, index);
+            let [w, h] = made.pictures[0].size;
+            for (k, &layer) in ALL.iter().enumerate().skip(1) {
+                let (du, dv) = steps(layer);
+                for i in 0..w * h {
+                    let d = made.disparities[k][i];
+                    let (x, y) = ((i % w) as f32 + du * d, (i / w) as f32 + dv * d);
+                    if x < 2.0 || y < 2.0 || x > (w - 4) as f32 || y > (h - 4) as f32 {
+                        continue;
+                    }
+                    all += 1.0;
+                    let (x0, y0) = (x as usize, y as usize);
+                    let same = |x: usize, y: usize| (made.disparities[0][y * w + x] - d).abs() < 0.02;
+                    if !(y0 - 1..y0 + 3).all(|y| (x0 - 1..x0 + 3).all(|x| same(x, y))) {
+                        continue;
+                    }
+                    let there = tap_rgb(&made.pictures[0].px, [w, h], x, y);
+                    sum += (0..3).map(|c| (there[c] - made.pictures[k].px[i][c]).abs()).sum::<f32>() / 3.0;
+                    count += 1.0;
+                }
+            }
+        }
+        assert!(count > 0.5 * all, "{curve:?}: only {count} of {all} rays were compared");
+        assert!(sum / count < 0.02, "{curve:?}: {}", sum / count);
+    }
+}
+
+#[test]
+fn the_row_number_does_not_explain_the_scenes() {
+    let stock = Stock::default();
+    let order = order(&stock, &ALL[..1], Curve::Camera);
+    let rows: Vec<f32> = (0..96 * 72).map(|i| (i / 96) as f32).collect();
+    let of = |index| spearman(&make(&order, 9, index).disparities[0], &rows);
+    let mean = (0..80).map(of).sum::<f32>() / 80.0;
+    assert!((0.0..=0.5).contains(&mean), "{mean}");
+}
+
+#[test]
+fn ray_depths_span_the_range_that_was_asked_for() {
+    let stock = Stock::default();
+    for index in 0..20 {
+        let made = make(&order(&stock, &ALL, Curve::Relief), 11, index);
+        let mut sorted = made.disparities[0].clone();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let [far, near] = [0.02, 0.98].map(|share| sorted[(share * (sorted.len() - 1) as f32) as usize]);
+        assert!(near - far < 0.43 && near - far > 0.1, "{index}: {far} {near}");
+        assert!(made.disparities.iter().flatten().all(|d| d.is_finite() && d.abs() < 1.2));
+        assert!(made.pictures.iter().flat_map(|p| &p.px).flatten().all(|c| (0.0..=1.0).contains(c)));
+    }
+}
