@@ -70,8 +70,9 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
     if weights.w_affine > 0.0 {
         let size = maps.views.len() * maps.plane();
         let samples = depth.par_chunks(size).zip(truth.par_chunks(size));
-        let fit = |((d, t), worth): ((&[f32], &[f32]), &f32)| {
-            loss::Fit { affine: loss::affine_fit(d, t), trim: MOST_TRIMMED * (1.0 - worth) }
+        let fit = |((d, t), worth): ((&[f32], &[f32]), &f32)| loss::Fit {
+            affine: loss::affine_fit(d, t),
+            trim: MOST_TRIMMED * (1.0 - worth),
         };
         let fits: Vec<_> = samples.zip(&batch.worth).map(fit).collect();
         parts.insert(
@@ -381,7 +382,14 @@ mod tests {
         let next_row = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0];
         let reference = [1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0];
         let truth = [left_view, next_row, reference, reference].concat();
-        let batch = Batch { views: vec![0.0; 3 * maps.len()], truth, first_sample: 0, yx: vec![[0.0; 4]], worth: vec![1.0], maps };
+        let batch = Batch {
+            views: vec![0.0; 3 * maps.len()],
+            truth,
+            first_sample: 0,
+            yx: vec![[0.0; 4]],
+            worth: vec![1.0],
+            maps,
+        };
         let ends = ends_of_rays(&batch);
         let (h, s, o) = (RayEnd::Hidden, RayEnd::Seen, RayEnd::Outside);
         assert_eq!(ends[..8], [h, h, h, h, s, s, s, s]);

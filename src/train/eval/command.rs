@@ -107,7 +107,8 @@ fn against_truth(
         let report = judge(&pictures, models)?;
         put("measured.png", &report.rows)?;
         let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
-        judged.push((format!("{notes}measured depth, places that no net is trained on"), truth::groups(&report.figures)));
+        judged
+            .push((format!("{notes}measured depth, places that no net is trained on"), truth::groups(&report.figures)));
     }
     let count = matches.get_one::<usize>("solid").copied().unwrap_or(0);
     if count > 0 {
@@ -159,7 +160,8 @@ const SCENE_PX: [usize; 2] = [160, 120];
 fn judge_scenes(data: PathBuf, count: usize, models: &dyn Predictor) -> Result<Judged> {
     let mix = scenes::Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0, solid: 1.0 };
     let (long_side, split) = (SCENE_PX[0], scenes::Split::Val);
-    let source = scenes::Source::new(&scenes::Config { data, long_side, crop: SCENE_PX, mix, split, ..Default::default() })?;
+    let source =
+        scenes::Source::new(&scenes::Config { data, long_side, crop: SCENE_PX, mix, split, ..Default::default() })?;
     let mut judged = Judged::default();
     let bar = progress("scenes");
     for index in 0..count as u64 {

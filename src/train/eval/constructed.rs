@@ -52,7 +52,7 @@ pub fn evaluate(
     count: usize,
     seen: &dyn Fn(usize),
 ) -> anyhow::Result<Report> {
-    let mix = Mix { real: 0.0, ..Mix::default() };
+    let mix = Mix { real: 0.0, solid: 0.0, ..Mix::default() };
     let config =
         Config { data: data.to_owned(), long_side: photos::LONG_SIDE, mix, split: Split::Val, ..Config::default() };
     let source = Source::new(&config)?;

@@ -285,7 +285,13 @@ mod tests {
         let near = |x: usize, y: usize| {
             let bar = (40..42).contains(&x) && (8..36).contains(&y);
             let cube = (12..28).contains(&x) && (12..32).contains(&y);
-            if bar { 0.7 } else if cube { 1.0 } else { 0.001 * x as f32 }
+            if bar {
+                0.7
+            } else if cube {
+                1.0
+            } else {
+                0.001 * x as f32
+            }
         };
         (0..SIZE[0] * SIZE[1]).map(|i| near(i % SIZE[0], i / SIZE[0])).collect()
     }

@@ -186,7 +186,8 @@ pub fn ordinal(
 ) -> f32 {
     let plane = maps.plane();
     let apart = |map: usize| apart[map / maps.views.len()];
-    let far = |(map, t): (usize, &[f32])| pairs(maps, along).filter(|&(i, j)| (t[i] - t[j]).abs() >= apart(map)).count();
+    let far =
+        |(map, t): (usize, &[f32])| pairs(maps, along).filter(|&(i, j)| (t[i] - t[j]).abs() >= apart(map)).count();
     let count = truth.par_chunks(plane).enumerate().map(far).sum::<usize>().max(1);
     let k = weight / count as f32;
     let sums: Vec<f64> = (depth.par_chunks(plane), truth.par_chunks(plane), gradient.par_chunks_mut(plane))

@@ -84,7 +84,9 @@ fn an_affine_change_of_the_truth_is_found_and_costs_nothing() {
     let depth: Vec<f32> = truth.iter().map(|t| if t.is_nan() { 3.0 } else { t / 1.5 + 0.4 }).collect();
     let fit = affine_fit(&depth, &truth);
     assert!((fit.0 - 1.5).abs() < 1e-3 && (fit.1 + 0.6).abs() < 1e-3, "{fit:?}");
-    assert!(affine(&maps, &depth, &truth, &[Fit { affine: fit, trim: 0.0 }], 0.5, 1.0, &mut vec![0.0; maps.len()]) < 1e-4);
+    assert!(
+        affine(&maps, &depth, &truth, &[Fit { affine: fit, trim: 0.0 }], 0.5, 1.0, &mut vec![0.0; maps.len()]) < 1e-4
+    );
 }
 
 #[test]

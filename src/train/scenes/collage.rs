@@ -45,7 +45,17 @@ impl Source {
         let (mut rgb, disparity) = render(&scene, &views);
         add_noise(rng, &mut rgb, &self.config);
         let origin = format!("{} and {} more", back.id, nearness.len());
-        Sample { size: crop, views, rgb, disparity, subject: None, yx: place.yx, kind: Kind::Collage, origin, worth: 0.8 }
+        Sample {
+            size: crop,
+            views,
+            rgb,
+            disparity,
+            subject: None,
+            yx: place.yx,
+            kind: Kind::Collage,
+            origin,
+            worth: 0.8,
+        }
     }
 
     /// Puts another photo's subject before everything that it covers, wherever that lies in the picture.

@@ -93,7 +93,6 @@ pub const PLACES_HELD_OUT: [&str; 4] = ["repl_", "rccube_", "aimsl_", "pose6d_"]
 /// Photos that a source pressed into a square were mostly this much wider.
 const SQUEEZED_BY: f32 = 4.0 / 3.0;
 
-
 impl Entry {
     fn split(&self) -> Split {
         let held_out = self.is_measured() && PLACES_HELD_OUT.iter().any(|place| self.id.starts_with(place));

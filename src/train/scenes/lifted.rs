@@ -43,7 +43,17 @@ fn placed_nearness(map: &Raster<u8>, place: &Place, size: [usize; 2]) -> Raster<
 
 fn sample(scene: &Scene, views: Vec<usize>, place: &Place, kind: Kind, origin: &str) -> Sample {
     let (rgb, disparity) = render(scene, &views);
-    Sample { size: scene.size, views, rgb, disparity, subject: None, yx: place.yx, kind, origin: origin.to_owned(), worth: 1.0 }
+    Sample {
+        size: scene.size,
+        views,
+        rgb,
+        disparity,
+        subject: None,
+        yx: place.yx,
+        kind,
+        origin: origin.to_owned(),
+        worth: 1.0,
+    }
 }
 
 /// Depth of the two layers of a masked photo.

@@ -66,7 +66,10 @@ mod tests {
     fn a_mix_is_read_from_text() {
         let mix = |text: &str| text.parse::<Mix>();
         assert_eq!(mix("").unwrap(), Mix::default());
-        assert_eq!(mix("lifted=1, real=0.5").unwrap(), Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.5, solid: 0.0 });
+        assert_eq!(
+            mix("lifted=1, real=0.5").unwrap(),
+            Mix { lifted: 1.0, collage: 0.0, pseudo: 0.0, real: 0.5, solid: 0.0 }
+        );
         for (text, word) in [("lifted", "no share"), ("lifted=much", "much"), ("flowers=1", "flowers")] {
             let error = mix(text).unwrap_err().to_string();
             assert!(error.contains(word) && error.contains("lifted=0.3"), "{error}");

@@ -102,7 +102,8 @@ impl Set<'_> {
             }
         }
         for _ in 0..self.count(0, 5) {
-            let (at, long) = (Vec3::new(self.range(-x, x) * 0.85, 0.0, -self.range(0.5, z - 0.3)), self.range(0.1, 0.5));
+            let (at, long) =
+                (Vec3::new(self.range(-x, x) * 0.85, 0.0, -self.range(0.5, z - 0.3)), self.range(0.1, 0.5));
             self.small(at, long);
         }
         if self.chance(0.3) {
@@ -116,7 +117,8 @@ impl Set<'_> {
             let down = self.range(0.2, 1.1);
             self.hanging_lamp(from, down);
         }
-        let eye = Vec3::new(self.range(-0.8, 0.8) * x, self.range(0.2, (high - 0.15).min(2.2)), -self.range(0.02, 0.3) * z);
+        let eye =
+            Vec3::new(self.range(-0.8, 0.8) * x, self.range(0.2, (high - 0.15).min(2.2)), -self.range(0.02, 0.3) * z);
         for _ in 0..self.rng.weighted(&[0.5, 0.35, 0.15]) {
             let at = Vec3::new(self.range(-0.7, 0.7) * x, 0.0, -self.range(0.4, 0.9) * z);
             self.someone(at, eye);
@@ -173,7 +175,8 @@ impl Set<'_> {
             self.cable(from + Vec3::Y * 0.01, to + Vec3::Y * 0.01, 0.004);
         }
         let pitch = if self.chance(0.35) { self.range(0.9, 1.5) } else { self.range(0.15, 1.0f32) };
-        let target = Vec3::new(self.range(-0.2, 0.2) * size.x, high + self.range(0.0, 0.15), self.range(-0.2, 0.2) * size.z);
+        let target =
+            Vec3::new(self.range(-0.2, 0.2) * size.x, high + self.range(0.0, 0.15), self.range(-0.2, 0.2) * size.z);
         let yaw = if self.chance(0.3) { self.turn() } else { self.rng.normal() * 0.5 };
         let wide = self.range(0.35, 1.3);
         let away = framing.distance(wide).clamp(0.25, 2.2);
@@ -267,7 +270,9 @@ impl Set<'_> {
             let long = big * self.range(0.4, 1.0);
             match self.rng.weighted(&[0.5, 0.25, 0.15, 0.1]) {
                 0 => self.small(at, long),
-                1 => self.thing(&["toy", "animal", "tool", "tableware", "vehicle", "furniture"], at, Some(long)).map_or((), |_| ()),
+                1 => self
+                    .thing(&["toy", "animal", "tool", "tableware", "vehicle", "furniture"], at, Some(long))
+                    .map_or((), |_| ()),
                 2 => self.relief(at, long, 0.0).map_or((), |_| ()),
                 _ => self.plant(at, long),
             }
@@ -319,7 +324,10 @@ impl Set<'_> {
         }
         let down = self.chance(0.45);
         let (eye, target) = if down {
-            (Vec3::new(self.range(-0.3, 0.3) * wide, top + self.range(0.8, 1.8), end - self.range(0.0, 1.0)), Vec3::new(0.0, 0.0, -0.5))
+            (
+                Vec3::new(self.range(-0.3, 0.3) * wide, top + self.range(0.8, 1.8), end - self.range(0.0, 1.0)),
+                Vec3::new(0.0, 0.0, -0.5),
+            )
         } else {
             let target = Vec3::new(0.0, top * self.range(0.3, 1.2), end);
             (Vec3::new(self.range(-0.4, 0.4) * wide, self.range(0.3, 1.8), self.range(-1.0, 2.5)), target)
@@ -346,7 +354,8 @@ impl Set<'_> {
     pub fn close_up(&mut self, framing: &Framing) -> Shot {
         let big = self.range(0.06, 0.35);
         let outside = self.chance(0.5);
-        let ground = self.cloth(if outside { &["grass", "ground", "stone"] } else { &["wood", "fabric", "stone"] }, 0.5);
+        let ground =
+            self.cloth(if outside { &["grass", "ground", "stone"] } else { &["wood", "fabric", "stone"] }, 0.5);
         self.panel(Vec3::new(-8.0, 0.0, 4.0), Vec3::X * 16.0, Vec3::Z * -20.0, &ground, [false, true]);
         let behind = -self.range(0.2, 6.0);
         if self.chance(0.7) {

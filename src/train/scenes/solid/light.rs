@@ -121,10 +121,12 @@ impl Shading {
         let wide = self.above.lit(off, 2.7 * soft * self.radius, texel);
         let open = 0.25 + 0.75 * (0.5 * near + 0.5 * wide);
         let up = 0.5 + 0.5 * normal.y;
-        let mut light = sky * (up * open) + ground * ((1.0 - up) * (0.4 + 0.6 * open)) + sun * (facing.max(0.0) * direct);
+        let mut light =
+            sky * (up * open) + ground * ((1.0 - up) * (0.4 + 0.6 * open)) + sun * (facing.max(0.0) * direct);
         let to_lamp = lamp_at - at;
         let far = to_lamp.length_squared();
-        light += lamp * (normal.dot(to_lamp * far.max(1e-6).sqrt().recip()).max(0.0) * (0.35 + 0.65 * open) / (0.3 + far));
+        light +=
+            lamp * (normal.dot(to_lamp * far.max(1e-6).sqrt().recip()).max(0.0) * (0.35 + 0.65 * open) / (0.3 + far));
         let mut out = colour * light;
         if gloss > 0.0 {
             let half = (sun_from + to_eye).normalize_or_zero();

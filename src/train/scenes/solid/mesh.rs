@@ -138,7 +138,8 @@ impl World {
             normal: place.transform_vector3(corner.normal).normalize_or_zero(),
             uv: corner.uv * per_metre,
         }));
-        let own: Vec<u32> = if paint.is_some() { Vec::new() } else { mesh.skins.iter().map(|s| self.skin(s)).collect() };
+        let own: Vec<u32> =
+            if paint.is_some() { Vec::new() } else { mesh.skins.iter().map(|s| self.skin(s)).collect() };
         let painted = paint.map(|paint| (paint.tint, paint.skin.as_ref().map_or(BARE, |skin| self.skin(skin))));
         let gloss = paint.map_or(0.1, |paint| paint.gloss);
         let thing = self.things;

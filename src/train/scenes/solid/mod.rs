@@ -169,7 +169,12 @@ impl Nears {
     fn is_worth(&self, rng: &mut Rng, order: &Order) -> bool {
         let [far, middle, near] = [0.02, 0.5, 0.98].map(|share| self.inverse(self.percentile(share)));
         let sky = self.sorted.partition_point(|&n| n <= order.curve.of(0.0)) as f32 / self.sorted.len() as f32;
-        if near < 1.2 * far || near < 1e-3 || sky > 0.6 || middle > 9.0 || self.inverse(self.percentile(0.65)) > 5.0 * middle.max(1e-3) {
+        if near < 1.2 * far
+            || near < 1e-3
+            || sky > 0.6
+            || middle > 9.0
+            || self.inverse(self.percentile(0.65)) > 5.0 * middle.max(1e-3)
+        {
             return false;
         }
         let [w, h] = self.map.size;
@@ -232,7 +237,8 @@ fn draw(order: &Order, world: &World, shot: &Shot, frame: &Frame, first: Buffer,
     let mean = lights[0].px.iter().map(|t| t[1].min(4.0)).sum::<f32>() / lights[0].px.len() as f32;
     let in_focus = [0.02, 0.98].map(|share| lens.disparity(nears.percentile(share)));
     let shutter = if order.noise { Shutter::random(&mut rng, mean, in_focus) } else { Shutter::plain(mean) };
-    let pictures = lights.into_iter().zip(&disparities).map(|(light, map)| shutter.take(&mut rng, light, map)).collect();
+    let pictures =
+        lights.into_iter().zip(&disparities).map(|(light, map)| shutter.take(&mut rng, light, map)).collect();
     Made { pictures, disparities, camera: shot.camera, lens, kind: shot.kind }
 }
 
@@ -273,7 +279,13 @@ impl Eye<'_> {
     /// middle of one surface is exact.
     fn depth_of(&self, near: [f32; 4]) -> f32 {
         let steps = [near[1] - near[0], near[2] - near[1], near[3] - near[2]];
-        let widest = if steps[1] >= steps[0] && steps[1] >= steps[2] { 1 } else if steps[0] >= steps[2] { 0 } else { 2 };
+        let widest = if steps[1] >= steps[0] && steps[1] >= steps[2] {
+            1
+        } else if steps[0] >= steps[2] {
+            0
+        } else {
+            2
+        };
         if steps[widest] <= self.gap {
             return (near[0] + near[1] + near[2] + near[3]) / 4.0;
         }
@@ -286,7 +298,9 @@ impl Eye<'_> {
 
     fn pixel(&self, [x, y]: [usize; 2], faces: [u32; 4], near: [f32; 4], step: Vec2) -> Vec3 {
         let thing = |face: u32| if face == NOTHING { NOTHING } else { self.world.parts[face as usize].thing };
-        let spread = |near: [f32; 4]| near.iter().fold(f32::MIN, |a, &b| a.max(b)) - near.iter().fold(f32::MAX, |a, &b| a.min(b));
+        let spread = |near: [f32; 4]| {
+            near.iter().fold(f32::MIN, |a, &b| a.max(b)) - near.iter().fold(f32::MAX, |a, &b| a.min(b))
+        };
         let middle = Vec2::new((x * SUB) as f32 + 0.5, (y * SUB) as f32 + 0.5);
         let one = faces.iter().all(|&face| face == faces[0])
             || (faces.iter().all(|&face| thing(face) == thing(faces[0])) && spread(near) < self.gap);

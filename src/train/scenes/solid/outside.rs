@@ -23,7 +23,11 @@ impl Set<'_> {
         let place = stand(at, yaw, 1.0);
         let wall = self.cloth(&["wall", "stone", "wall", "wood"], 2.5);
         let deep = self.range(3.0, 9.0);
-        self.put(&cuboid(Vec3::new(wide, high, deep)), place * Affine3A::from_translation(Vec3::Z * -deep / 2.0), &wall);
+        self.put(
+            &cuboid(Vec3::new(wide, high, deep)),
+            place * Affine3A::from_translation(Vec3::Z * -deep / 2.0),
+            &wall,
+        );
         let (floors, across) = ((high / self.range(2.6, 3.6)).max(1.0), (wide / self.range(1.4, 3.2)).max(1.0));
         let (glass, frame) = (self.any_paint(1.0), self.plain());
         let (w, h) = (self.range(0.35, 0.75), self.range(0.4, 0.75));
@@ -54,7 +58,11 @@ impl Set<'_> {
             let roof = self.cloth(&["roof", "stone"], 2.0);
             let rise = self.range(0.5, 3.0);
             let slope = sheet([1, 2], |s, t| {
-                let at = Vec3::new((s - 0.5) * (wide + 0.6), high + rise * (1.0 - (2.0 * t - 1.0).abs()), 0.3 - t * (deep + 0.6));
+                let at = Vec3::new(
+                    (s - 0.5) * (wide + 0.6),
+                    high + rise * (1.0 - (2.0 * t - 1.0).abs()),
+                    0.3 - t * (deep + 0.6),
+                );
                 (at, Vec2::new(s * wide, t * deep))
             });
             self.put(&slope, place, &roof);
@@ -114,8 +122,13 @@ impl Set<'_> {
             self.someone(at, eye);
         }
         for _ in 0..self.count(0, 4) {
-            let (at, tall) = (Vec3::new(self.range(-1.0, 1.0) * half, 0.0, -self.range(1.5, 25.0)), self.range(2.5, 8.0));
-            if self.chance(0.5) { self.tree(at, tall) } else { self.thing(&["tree", "other", "plant"], at, None).map_or((), |_| ()) }
+            let (at, tall) =
+                (Vec3::new(self.range(-1.0, 1.0) * half, 0.0, -self.range(1.5, 25.0)), self.range(2.5, 8.0));
+            if self.chance(0.5) {
+                self.tree(at, tall)
+            } else {
+                self.thing(&["tree", "other", "plant"], at, None).map_or((), |_| ())
+            }
         }
     }
 
@@ -126,7 +139,8 @@ impl Set<'_> {
         let yaw = self.range(-0.6, 0.6);
         self.front(Vec3::ZERO, wide, high, yaw);
         if self.chance(0.5) {
-            let (next, tall, way) = (self.range(5.0, 12.0), self.range(4.0, 18.0), if self.chance(0.5) { 1.0 } else { -1.0 });
+            let (next, tall, way) =
+                (self.range(5.0, 12.0), self.range(4.0, 18.0), if self.chance(0.5) { 1.0 } else { -1.0 });
             let beside = Vec3::new(way * yaw.cos(), 0.0, -way * yaw.sin()) * (wide + next) / 2.0;
             let at = beside + Vec3::Z * self.range(-3.0, 1.0);
             self.front(at, next, tall, yaw);
@@ -167,9 +181,7 @@ impl Set<'_> {
         let height = if self.chance(0.5) { self.range(0.1, 2.5) } else { 0.05 };
         let (phase, long) = ([self.turn(), self.turn()], [self.range(4.0, 20.0), self.range(4.0, 20.0)]);
         let rise = if self.chance(0.4) { self.range(-0.15, 0.4) } else { 0.0 };
-        move |x, z| {
-            height * ((x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()) - rise * z.min(0.0)
-        }
+        move |x, z| height * ((x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()) - rise * z.min(0.0)
     }
 
     /// A garden or a wood: plants near and far, boughs overhead, benches, fences, people and animals.
@@ -247,7 +259,12 @@ impl Set<'_> {
             0 => {
                 // A window: a frame, perhaps a cross.
                 let (edge, bar) = (self.range(0.75, 0.98), thin * 3.0);
-                for (a, b) in [((-edge, -1.2), (-edge, 1.2)), ((edge, -1.2), (edge, 1.2)), ((-1.2, -edge), (1.2, -edge)), ((-1.2, edge), (1.2, edge))] {
+                for (a, b) in [
+                    ((-edge, -1.2), (-edge, 1.2)),
+                    ((edge, -1.2), (edge, 1.2)),
+                    ((-1.2, -edge), (1.2, -edge)),
+                    ((-1.2, edge), (1.2, edge)),
+                ] {
                     if self.chance(0.75) {
                         pieces.push(tube(&[at(a.0, a.1), at(b.0, b.1)], [bar; 2], 4));
                     }
@@ -264,14 +281,16 @@ impl Set<'_> {
                 let first = self.range(-1.3, -0.8);
                 for i in 0..(2.5 / step) as usize {
                     let s = first + step * i as f32;
-                    let ends = if upright { [at(s, -1.3), at(s + lean, 1.3)] } else { [at(-1.3, s), at(1.3, s + lean)] };
+                    let ends =
+                        if upright { [at(s, -1.3), at(s + lean, 1.3)] } else { [at(-1.3, s), at(1.3, s + lean)] };
                     pieces.push(tube(&ends, [thin * 0.5; 2], 4));
                 }
             }
             2 => {
                 // A bough that hangs or stands into the picture.
                 let side = if self.chance(0.5) { -1.2 } else { 1.2 };
-                let from = if self.chance(0.6) { at(side, self.range(-1.2, 0.5)) } else { at(self.range(-1.0, 1.0), -1.2) };
+                let from =
+                    if self.chance(0.6) { at(side, self.range(-1.2, 0.5)) } else { at(self.range(-1.0, 1.0), -1.2) };
                 let way = at(self.range(-0.3, 0.3), self.range(-0.6, 0.3)) - from;
                 let points = stem(&mut self.rng, from, way, way.length(), 0.6, 6);
                 pieces.push(tube(&points, [thin, thin * 0.4], 5));

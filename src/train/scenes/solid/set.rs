@@ -85,7 +85,12 @@ impl<'a> Set<'a> {
         let light = self.range(0.6, 1.2) / hue.iter().copied().fold(0.05, f32::max);
         let gloss = if self.chance(0.25) { self.range(0.05, 0.6) } else { 0.0 };
         let tint = hue.map(|c| (0.35 + 0.65 * c * light).min(1.3));
-        Paint { tint, skin: Some(cloth.texture.clone()), metres: Vec2::new(metres, metres / cloth.texture.aspect()), gloss }
+        Paint {
+            tint,
+            skin: Some(cloth.texture.clone()),
+            metres: Vec2::new(metres, metres / cloth.texture.aspect()),
+            gloss,
+        }
     }
 
     /// Two colours in spots: for folders without textures.
@@ -242,7 +247,8 @@ impl<'a> Set<'a> {
         for _ in 0..self.count(1, 6) {
             let thick = self.range(0.05, 0.2) * long;
             let size = Vec3::new(self.range(0.55, 0.8) * long, thick, self.range(0.8, 1.0) * long);
-            let (paint, yaw) = (if self.chance(0.4) { self.print() } else { self.any_paint(long) }, self.range(-0.4, 0.4));
+            let (paint, yaw) =
+                (if self.chance(0.4) { self.print() } else { self.any_paint(long) }, self.range(-0.4, 0.4));
             self.block(at + Vec3::Y * height, size, yaw, &paint);
             height += thick;
         }
@@ -312,7 +318,10 @@ impl<'a> Set<'a> {
         let mesh = sheet([10, 12], |s, up| {
             let u = if mirrored { 1.0 - s } else { s };
             let dome = look.dome.tap(l as f32 + u * (w - 1) as f32, t as f32 + (1.0 - up) * (h - 1) as f32) / 255.0;
-            (Vec3::new((s - 0.5) * wide, up * tall, deep * dome), Vec2::new(u * 0.998 + 0.001, (1.0 - up) * 0.998 + 0.001))
+            (
+                Vec3::new((s - 0.5) * wide, up * tall, deep * dome),
+                Vec2::new(u * 0.998 + 0.001, (1.0 - up) * 0.998 + 0.001),
+            )
         });
         let paint = Paint { tint: [1.0; 3], skin, metres: Vec2::ONE, gloss: 0.0 };
         self.put(&mesh, stand(at, yaw, 1.0), &paint);
@@ -334,7 +343,8 @@ impl<'a> Set<'a> {
 
     /// A table: its top's height, width and depth.
     pub fn table(&mut self, at: Vec3, size: Vec3) {
-        let top = if self.chance(0.7) { self.cloth(&["wood", "stone", "fabric", "metal"], 0.8) } else { self.any_paint(0.7) };
+        let top =
+            if self.chance(0.7) { self.cloth(&["wood", "stone", "fabric", "metal"], 0.8) } else { self.any_paint(0.7) };
         let legs = self.plain();
         let thick = self.range(0.02, 0.06);
         self.block(at + Vec3::Y * (size.y - thick), Vec3::new(size.x, thick, size.z), 0.0, &top);

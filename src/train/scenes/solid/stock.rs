@@ -194,7 +194,8 @@ mod tests {
         let both = [Split::Train, Split::Val].map(|split| Stock::load(data.path(), split));
         assert_eq!(both.iter().map(|stock| stock.counts()[0]).sum::<usize>(), 1);
         for name in &names[1..] {
-            let notes: Vec<&String> = both.iter().flat_map(|s| &s.notes).filter(|n| n.contains(&format!("{name}.glb"))).collect();
+            let notes: Vec<&String> =
+                both.iter().flat_map(|s| &s.notes).filter(|n| n.contains(&format!("{name}.glb"))).collect();
             assert_eq!(notes.len(), 1, "{name}: {notes:?}");
         }
         assert!(both[0].notes.iter().any(|note| note.contains("manifest")));

@@ -160,7 +160,15 @@ impl Frame {
     }
 
     /// Cuts a face at the near plane; what is left waits to be looked at.
-    fn cut(&mut self, world: &mut World, camera: &Camera, curve: Curve, index: u32, inside: [bool; 3], waiting: &mut Vec<u32>) {
+    fn cut(
+        &mut self,
+        world: &mut World,
+        camera: &Camera,
+        curve: Curve,
+        index: u32,
+        inside: [bool; 3],
+        waiting: &mut Vec<u32>,
+    ) {
         let part = world.parts[index as usize];
         let mut ring = Vec::with_capacity(4);
         for i in 0..3 {
@@ -190,7 +198,15 @@ impl Frame {
     }
 
     /// Divides a face at the point of an edge where 1/z is the geometric mean of its ends'.
-    fn divide(&mut self, world: &mut World, camera: &Camera, curve: Curve, index: u32, edge: usize, waiting: &mut Vec<u32>) {
+    fn divide(
+        &mut self,
+        world: &mut World,
+        camera: &Camera,
+        curve: Curve,
+        index: u32,
+        edge: usize,
+        waiting: &mut Vec<u32>,
+    ) {
         let part = world.parts[index as usize];
         let [a, b, c] = [0, 1, 2].map(|i| part.corners[(edge + i) % 3]);
         let [za, zb] = [a, b].map(|i| self.seen[i as usize].depth);
