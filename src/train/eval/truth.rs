@@ -41,7 +41,8 @@ pub struct Figures {
     pub fit_error: f32,
     /// F-score of edges of depth within 2 px; none where the truth has no edges.
     pub edge_f: Option<f32>,
-    /// The share of the true edges at which the steepest step within 8 px lies within 2 px and falls the same way.
+    /// The share of the true edges at which the steepest step that falls the same way, of those up to 8 px away that no
+    /// other true edge is nearer to, lies within 2 px.
     pub edges: Option<f32>,
     /// The share of parts at most 3 px wide that stand out.
     pub thin: Option<f32>,
@@ -160,16 +161,17 @@ fn edges(depth: &Raster<f32>, truth: &Raster<f32>) -> Option<f32> {
         for line in 0..lines {
             let at = |map: &Raster<f32>, k: isize| map.px[start(line) + k as usize * stride];
             let step = |map: &Raster<f32>, k: isize| at(map, k + 1) - at(map, k);
-            for k in SEARCH_PX..length as isize - SEARCH_PX - 1 {
-                let real = step(truth, k);
-                if !(real.abs() > EDGE) {
-                    continue;
-                }
+            let whole = SEARCH_PX..length as isize - SEARCH_PX - 1;
+            let real_edges: Vec<isize> = (0..length as isize - 1).filter(|&k| step(truth, k).abs() > EDGE).collect();
+            for &k in real_edges.iter().filter(|k| whole.contains(k)) {
+                let way = step(truth, k).signum();
+                let own = |a: &isize| real_edges.iter().all(|&other| (k + a - other).abs() >= a.abs());
                 let steepest = (-SEARCH_PX..=SEARCH_PX)
-                    .max_by(|&a, &b| step(depth, k + a).abs().total_cmp(&step(depth, k + b).abs()))
+                    .filter(own)
+                    .max_by(|&a, &b| (way * step(depth, k + a)).total_cmp(&(way * step(depth, k + b))))
                     .unwrap_or(0);
                 all += 1.0;
-                good += f32::from(steepest.abs() <= EDGE_PX && step(depth, k + steepest) * real > 0.0);
+                good += f32::from(steepest.abs() <= EDGE_PX && way * step(depth, k + steepest) > 0.0);
             }
         }
     }
@@ -206,7 +208,9 @@ fn thin(depth: &Raster<f32>, truth: &Raster<f32>) -> Option<f32> {
 /// The width of a thin part that begins at place `k` of a line; none where none begins.
 fn part(truth: &Raster<f32>, place: &dyn Fn(usize) -> usize, k: usize) -> Option<usize> {
     let at = |k: usize| truth.px[place(k)];
-    if !(at(k) - at(k - 1) > THIN_STEP) {
+    // A comparison with what is not known is false.
+    let begins = at(k) - at(k - 1) > THIN_STEP;
+    if !begins {
         return None;
     }
     let wide = (1..=THIN_PX).find(|&wide| at(k + wide - 1) - at(k + wide) > THIN_STEP)?;

@@ -319,3 +319,80 @@ pub fn byte_from_nearness(nearness: f32) -> u8 {
 pub fn nearness_from_byte(byte: f32) -> f32 {
     byte * (1.1 / 255.0) - 0.05
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with photos, maps and a manifest of these lines; photos are 40 × 40 px.
+    fn folder(data: &Path, lines: &[&str]) {
+        let folder = data.join("everyday10k");
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("manifest.jsonl"), lines.join("\n")).unwrap();
+        for line in lines {
+            let Ok(entry) = serde_json::from_str::<Entry>(line) else { continue };
+            if entry.id.contains("missing") {
+                continue;
+            }
+            image::RgbImage::new(40, 40).save(folder.join(format!("{}.jpg", entry.id))).unwrap();
+            // Nothing is known in the left quarter; the rest is nearer to the right.
+            let near = |x: u32, _| image::Luma([if x < 5 { 0 } else { 40 + 10 * x as u8 }]);
+            let map = image::GrayImage::from_fn(20, 20, near);
+            map.save(folder.join(format!("{}.nearness.png", entry.id))).unwrap();
+        }
+    }
+
+    const LINES: [&str; 7] = [
+        r#"{"id":"tsdfk_1","label":"sensor","invalid_zero":true,"kind":"room","split":"train"}"#,
+        r#"{"id":"repl_1","label":"sensor","invalid_zero":true,"kind":"room","split":"train"}"#,
+        r#"{"id":"wide_1","label":"teacher","gate":"self","squeezed":true,"split":"train"}"#,
+        r#"{"id":"doubt_1","label":"teacher","gate":"doubtful","split":"train"}"#,
+        r#"{"id":"soft_1","label":"teacher","gate":"soft","split":"train"}"#,
+        r#"{"id":"missing_1","label":"teacher","gate":"self","split":"train"}"#,
+        "{no line",
+    ];
+
+    fn load(split: Split) -> Library {
+        let data = tempfile::tempdir().unwrap();
+        folder(data.path(), &LINES);
+        Library::load(&Config { data: data.path().to_owned(), long_side: 50, split, ..Config::default() }).unwrap()
+    }
+
+    #[test]
+    fn labels_are_weighed_and_what_is_missing_is_told() {
+        let library = load(Split::Train);
+        let picture = |id: &str| library.pictures.iter().find(|p| p.id.ends_with(id)).unwrap();
+        assert_eq!(library.pictures.len(), 4);
+        assert!(
+            picture("tsdfk_1").worth > picture("wide_1").worth && picture("wide_1").worth > picture("soft_1").worth
+        );
+        assert!(picture("doubt_1").nearness.is_none());
+        let [w, h] = picture("wide_1").rgb.size;
+        assert_eq!((w, h), (53, 40));
+        assert_eq!(library.notes.len(), 2);
+        assert!(library.notes.iter().any(|note| note.contains("missing_1.jpg")), "{:?}", library.notes);
+    }
+
+    #[test]
+    fn what_a_sensor_does_not_know_is_a_hole_and_does_not_bend_the_range() {
+        let library = load(Split::Train);
+        let measured = library.pictures.iter().find(|p| p.measured).unwrap();
+        let (holes, map) = (measured.holes.as_ref().unwrap(), measured.nearness.as_ref().unwrap());
+        assert_eq!((holes.at(2, 20), holes.at(30, 20)), (255, 0));
+        // The least that is known is 0, the most 1.
+        assert!(nearness_from_byte(f32::from(map.at(12, 20))).abs() < 0.15);
+        assert!((nearness_from_byte(f32::from(map.at(38, 20))) - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn whole_places_are_kept_for_validation() {
+        let kept = load(Split::Val);
+        assert_eq!(kept.pictures.iter().map(|p| p.id.as_str()).collect::<Vec<_>>(), ["everyday10k/repl_1"]);
+        let data = tempfile::tempdir().unwrap();
+        folder(data.path(), &LINES);
+        let (pictures, notes) = measured(&data.path().join("everyday10k"), 100).unwrap();
+        assert_eq!((pictures.len(), notes.len()), (1, 1));
+        let error = measured(data.path(), 100).err().unwrap().to_string();
+        assert!(error.contains("measured depth"), "{error}");
+    }
+}

@@ -1,17 +1,22 @@
 //! `plenoscope-train data`: samples as folders of views that the window can open, and one sheet to look at.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use clap::{ArgMatches, Command, arg, value_parser};
 use plenoscope::field::{RayDepths, ViewGrid};
 use plenoscope::io::formats::{self, views};
 use plenoscope::job::{Cancel, Job};
 
 use super::raster::Rgb;
-use super::{Config, Mix, REFERENCE, Source};
+use super::{Config, Mix, REFERENCE, Sample, Source};
+use crate::eval::metrics::{mean, spearman};
 use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range, write_png};
 use crate::field::light_field;
+
+/// Rows of the sheet where samples are not written.
+const SHEET_ROWS: usize = 40;
 
 /// What the command line understands.
 pub fn command() -> Command {
@@ -20,6 +25,11 @@ pub fn command() -> Command {
         .about("Write samples of the data engine as folders of views, and a contact sheet")
         .arg(arg!(--out <DIR> "Folder for them").required(true).value_parser(value_parser!(PathBuf)))
         .arg(arg!(--count <N> "Samples").default_value("12").value_parser(number()))
+        .arg(
+            arg!(--views <N> "Views of each; with fewer than 64 they are drawn for the sheet and the figures alone")
+                .default_value("64")
+                .value_parser(clap::builder::RangedU64ValueParser::<usize>::new().range(1..=64)),
+        )
         .arg(
             arg!(--data <DIR> "Folder of flowers/, everyday/ …")
                 .default_value("data")
@@ -47,7 +57,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         data: path("data"),
         long_side,
         crop: [long_side, long_side * 3 / 4],
-        views_per_sample: 64,
+        views_per_sample: number("views"),
         mix: matches.get_one::<Mix>("mix").copied().unwrap_or_default(),
         seed: matches.get_one::<u64>("seed").copied().unwrap_or(1),
         ..Config::default()
@@ -56,16 +66,45 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let notes: String = source.notes().map(|note| format!("{note}\n")).collect();
     let out = path("out");
     std::fs::create_dir_all(&out)?;
-    let mut rows = Vec::new();
+    let (mut rows, mut told, mut secs) = (Vec::new(), Vec::new(), 0.0);
     for index in 0..number("count") as u64 {
+        let started = Instant::now();
         let sample = source.sample(index);
+        secs += started.elapsed().as_secs_f64();
+        told.extend(told_by_row(&sample));
         let folder = out.join(format!("sample_{index:04}_{:?}", sample.kind).to_lowercase());
-        let (pictures, depths) = sample.pictures().zip(sample.depths()).context("a sample of fewer than 64 views")?;
-        write(&folder, &pictures, &depths)?;
-        rows.push(tiles(&pictures, &depths));
+        if let Some((pictures, depths)) = sample.pictures().zip(sample.depths()) {
+            write(&folder, &pictures, &depths)?;
+            rows.push(tiles(&pictures, &depths));
+        } else if rows.len() < SHEET_ROWS {
+            rows.push(reference_tiles(&sample));
+        }
     }
     write_png(&out.join("sheet.png"), &join(&rows, 240))?;
-    Ok(format!("{notes}{} samples and sheet.png in {}\n", rows.len(), out.display()))
+    let count = number("count").max(1) as f64;
+    Ok(format!(
+        "{notes}{} samples and sheet.png in {}\n{:.1} samples a second; Spearman of the row number {:.3} over them\n",
+        number("count"),
+        out.display(),
+        count / secs.max(1e-9),
+        mean(told.into_iter()).unwrap_or(0.0)
+    ))
+}
+
+/// How well the row number alone orders the reference view's depth; none where that is not known.
+fn told_by_row(sample: &Sample) -> Option<f32> {
+    let map = &sample.disparity[..sample.size[0] * sample.size[1]];
+    let known = map.iter().enumerate().filter(|(_, d)| d.is_finite());
+    let (rows, depths): (Vec<f32>, Vec<f32>) = known.map(|(i, d)| ((i / sample.size[0]) as f32, *d)).unzip();
+    (!depths.is_empty()).then(|| spearman(&rows, &depths))
+}
+
+/// Reference view and its ray depth.
+fn reference_tiles(sample: &Sample) -> Vec<Rgb> {
+    let plane = sample.size[0] * sample.size[1];
+    let px = (0..plane).map(|i| [0, 1, 2].map(|c| sample.rgb[c * plane + i])).collect();
+    let map = &sample.disparity[..plane];
+    vec![Rgb { size: sample.size, px }, depth_tile(map, sample.size, usual_range(map))]
 }
 
 /// Reference view, its ray depth, the first corner view, its ray depth, epipolar image of the middle row.

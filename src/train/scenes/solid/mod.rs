@@ -75,7 +75,7 @@ pub struct Made {
 /// How often a scene that shows nothing is drawn anew.
 const TRIES: u64 = 8;
 /// Scenes in which the row number tells more than this are mostly drawn anew: photos teach that already.
-const TOLD_BY_ROW: f32 = 0.62;
+const TOLD_BY_ROW: f32 = 0.75;
 
 /// Draws scene `index` of a seed.
 pub fn make(order: &Order, seed: u64, index: u64) -> Made {
@@ -182,7 +182,7 @@ impl Nears {
             (0..h).step_by(h.div_ceil(20)).flat_map(|y| (0..w).step_by(w.div_ceil(24)).map(move |x| [x, y])).collect();
         let values: Vec<f32> = places.iter().map(|&[x, y]| self.map.at(x, y)).collect();
         let rows: Vec<f32> = places.iter().map(|&[_, y]| y as f32).collect();
-        spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.25)
+        spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
     }
 
     fn lens(&self, order: &Order) -> Lens {

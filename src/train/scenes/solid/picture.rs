@@ -113,10 +113,10 @@ fn defocus(light: &mut Raster<[f32; 3]>, disparity: &[f32], deviation: f32, focu
     full.blur(0.9 * deviation);
     for (i, texel) in light.px.iter_mut().enumerate() {
         let at = 2.0 * circle.px[i][0];
-        for c in 0..3 {
+        *texel = std::array::from_fn(|c| {
             let [sharp, half, full] = [texel[c], half.px[i][c], full.px[i][c]];
-            texel[c] = if at < 1.0 { sharp + at * (half - sharp) } else { half + (at - 1.0).min(1.0) * (full - half) };
-        }
+            if at < 1.0 { sharp + at * (half - sharp) } else { half + (at - 1.0).min(1.0) * (full - half) }
+        });
     }
 }
 

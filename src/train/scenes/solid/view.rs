@@ -365,8 +365,7 @@ impl Shares {
         const WIDER: f32 = 1e-3;
         let (mut from, mut to) = (left, right);
         let there = self.at(left, y);
-        for i in 0..3 {
-            let (value, slope) = (there[i], self.dx[i]);
+        for (value, slope) in there.into_iter().zip(self.dx) {
             if slope > 0.0 {
                 from = from.max((left - value / slope - WIDER).ceil());
             } else if slope < 0.0 {
