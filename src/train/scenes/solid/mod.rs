@@ -72,6 +72,8 @@ pub struct Made {
     pub kind: &'static str,
 }
 
+/// Ray depths beyond the usual range, as a multiple of it.
+const MOST_BEYOND: f32 = 2.2;
 /// How often a scene that shows nothing is drawn anew.
 const TRIES: u64 = 8;
 /// Scenes in which the row number tells more than this are mostly drawn anew: photos teach that already.
@@ -140,6 +142,8 @@ struct Nears {
     /// `[y, x]` of every pixel, the upper left sample's.
     map: Raster<f32>,
     sorted: Vec<f32>,
+    /// Least and most of all samples.
+    ends: [f32; 2],
     curve: Curve,
 }
 
@@ -150,7 +154,9 @@ impl Nears {
         let map = Raster::from_fn(size, |x, y| buffer.near[y * SUB * buffer.size[0] + x * SUB].max(sky));
         let mut sorted = map.px.clone();
         sorted.sort_unstable_by(f32::total_cmp);
-        Self { map, sorted, curve }
+        let samples = buffer.near.iter().map(|near| near.max(sky));
+        let ends = samples.fold([f32::MAX, f32::MIN], |[lo, hi], near| [lo.min(near), hi.max(near)]);
+        Self { map, sorted, ends, curve }
     }
 
     fn percentile(&self, share: f32) -> f32 {
@@ -186,9 +192,9 @@ impl Nears {
     }
 
     fn lens(&self, order: &Order) -> Lens {
-        let [far, near, most] = [0.02, 0.98, 1.0].map(|share| self.percentile(share));
-        // What stands right before the lens must not leave the range that nets can tell.
-        let range = (near - far).max((most - far) / 2.2).max(1e-6);
+        let ([far, near], [least, most]) = ([0.02, 0.98].map(|share| self.percentile(share)), self.ends);
+        // What stands right before the lens or is seen through a chink must not leave the range that nets can tell.
+        let range = (near - far).max((most - far) / MOST_BEYOND).max((near - least) / MOST_BEYOND).max(1e-6);
         Lens { scale_px: order.range_px / range, focus: far + order.focus * (near - far) }
     }
 
