@@ -88,7 +88,7 @@ pub struct Config {
     /// Where to start from
     #[arg(long, value_enum, default_value_t = Preset::Everyday)]
     pub preset: Preset,
-    /// Folder of the training data (flowers, everyday, photos_depth, lightfields; ESLF files for the preset `paper`)
+    /// Folder of the training data (flowers, everyday, everyday10k, photos_depth, lightfields, meshes, textures; ESLF files for the preset `paper`)
     #[arg(long, default_value = "data")]
     pub data: PathBuf,
     /// Folder of the run: checkpoints, config, metrics, contact sheets
@@ -180,7 +180,7 @@ pub struct Config {
     /// For the stages `occlusion` and `joint`: the depth net's checkpoint
     #[arg(long)]
     pub depth_from: Option<PathBuf>,
-    /// Shares of the kinds of samples, as the data engine names them, e.g. `lifted=0.4,pseudo=0.3,collage=0.2,real=0.1`
+    /// Shares of the kinds of samples, as the data engine names them, e.g. `lifted=0.2,pseudo=0.4,real=0.05,solid=0.35`
     #[arg(long, default_value = "")]
     pub mix: String,
     /// File with the names of the files to train on, one a line (the preset `paper`)

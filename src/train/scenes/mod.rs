@@ -75,7 +75,8 @@ pub enum Split {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
-    /// The folder that holds `flowers/`, `everyday/`, `photos_depth/`, `lightfields/`.
+    /// The folder that holds `flowers/`, `everyday/`, `everyday10k/`, `photos_depth/`, `lightfields/`, `meshes/` and
+    /// `textures/`, or some of them.
     pub data: PathBuf,
     /// Long side in pixels of the whole picture: the working scale.
     pub long_side: usize,

@@ -38,7 +38,7 @@ pub fn command() -> Command {
         .arg(arg!(--"long-side" <PX> "Long side of the whole picture").default_value("270").value_parser(number()))
         .arg(arg!(--seed <N> "Seed").default_value("1").value_parser(value_parser!(u64)))
         .arg(
-            arg!(--mix <SHARES> "Shares of the kinds, e.g. `lifted=0.4,pseudo=0.3,collage=0.2,real=0.1`")
+            arg!(--mix <SHARES> "Shares of the kinds, e.g. `solid=1` or `lifted=0.3,pseudo=0.4,real=0.1,solid=0.2`")
                 .default_value("")
                 .hide_default_value(true)
                 .value_parser(value_parser!(Mix)),
