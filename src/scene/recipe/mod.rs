@@ -1,7 +1,7 @@
 //! Recipes: every edit of a photo as a small JSON, kept beside it and applied to others.
 //!
 //! A recipe says its `version` and its `unit`. In version 2 disparities are shares of the picture's width per view step
-//! ([`Edit`]); in version 1, which has no `version`, they are pixels of the map that the photo then had ([`pixels`]).
+//! ([`Edit`]); in version 1, which has no `version`, they are pixels of the map that the photo then had (`pixels`).
 //! What is unknown here stays in the file.
 
 mod error;

@@ -1,7 +1,7 @@
 //! Scenes in three dimensions: light fields with the exact depth of every ray, and what a near thing hides truly hidden.
 //!
-//! [`make`] draws a scene by chance: a place ([`inside`], [`outside`]) furnished with meshes and textures of a data
-//! folder ([`stock`]), photos and shapes made by rule ([`set`], [`shapes`]), a camera before it ([`shot`]), light
+//! [`make`] draws a scene by chance: a place (`inside`, `outside`) furnished with meshes and textures of a data
+//! folder ([`stock`]), photos and shapes made by rule (`set`, `shapes`), a camera before it (`shot`), light
 //! ([`light`]). Each view is drawn from its own centre by a small rasteriser ([`view`]); [`picture`] makes a photo of it.
 //! It runs on one core without a graphics card, and the same seed gives the same bytes.
 
