@@ -113,6 +113,9 @@ impl Recipe {
     /// What is wrong: no JSON, a later version, or a number that cannot be.
     pub fn from_json(text: &str) -> Result<Self, String> {
         let whole: Value = serde_json::from_str(text).map_err(|e| e.to_string())?;
+        if !whole.is_object() {
+            return Err("it is no JSON object".to_owned());
+        }
         let version = whole.get("version").map_or(Some(1), Value::as_u64).ok_or("its version is no number")?;
         let (body, export) = match version {
             0..VERSION => {
@@ -287,6 +290,7 @@ mod tests {
         let path = dir.path().join("r.json");
         let wrong = [
             ("{\"lens\": 3}", "invalid type"),
+            ("[]", "no JSON object"),
             ("{\"version\": 3}", "version 3"),
             ("{\"version\": \"new\"}", "no number"),
             ("{\"version\": 2, \"lens\": {\"f_number\": 1e39}}", "out of range"),
