@@ -77,7 +77,7 @@ const MOST_BEYOND: f32 = 2.2;
 /// How often a scene that shows nothing is drawn anew.
 const TRIES: u64 = 8;
 /// Scenes in which the row number tells more than this are mostly drawn anew: photos teach that already.
-const TOLD_BY_ROW: f32 = 0.75;
+const TOLD_BY_ROW: f32 = 0.93;
 
 /// Draws scene `index` of a seed.
 pub fn make(order: &Order, seed: u64, index: u64) -> Made {
