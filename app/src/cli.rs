@@ -347,6 +347,12 @@ pub struct Bench {
     /// Time what the program does with this photo, from the file to the light field
     #[arg(long, value_name = "FILE", conflicts_with = "size")]
     pub pipeline: Option<PathBuf>,
+    /// Time this net of your own on a picture of --size, by default 518x392 or what the file fixes
+    #[arg(long, value_name = "FILE.onnx", conflicts_with_all = ["pipeline", "models"])]
+    pub model: Option<PathBuf>,
+    /// With --model: say which operations took the time
+    #[arg(long, requires = "model")]
+    pub profile: bool,
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,

@@ -1,13 +1,17 @@
 //! `plenoscope bench`, the library side: both nets and the warp at an exact size, stage by stage, against the machine's
 //! measured peak and, built with the feature `onnxruntime`, against ONNX Runtime on the same files in the same run.
 //!
+//! [`model`] times any other ONNX file.
+//!
 //! Peak memory grows with everything a process has done before, so ask [`peak_rss_mib`] in a process of its own that
 //! has called nothing but [`once`].
 
+pub mod model;
 mod nets;
 #[cfg(feature = "onnxruntime")]
 mod onnxruntime;
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -106,6 +110,14 @@ pub enum BenchError {
     /// A net.
     #[error(transparent)]
     Engine(#[from] EngineError),
+    /// The file could not be read.
+    #[error("the file cannot be read — {source} — check its name: {}", path.display())]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
     /// ONNX Runtime did not work.
     #[error("ONNX Runtime cannot be timed — {0} — set ORT_DYLIB_PATH to libonnxruntime.so of version 1.24 or later")]
     OnnxRuntime(String),

@@ -1,9 +1,11 @@
-//! ONNX Runtime on the same two files.
+//! ONNX Runtime on the same files.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use ort::environment::Environment;
 use ort::session::Session;
+use ort::session::builder::SessionBuilder;
 use ort::value::TensorRef;
 
 use super::nets::{Nets, numbers};
@@ -44,6 +46,29 @@ impl Engine {
     }
 }
 
+/// One net of any kind in ONNX Runtime.
+pub(super) struct Single {
+    session: Session,
+    shape: Vec<i64>,
+}
+
+impl Single {
+    /// Loads the library and the net in `file`, which takes inputs of `shape`.
+    pub(super) fn new(file: &Path, shape: &[usize], threads: usize) -> Result<Self, String> {
+        let session = builder(threads)?.commit_from_file(file).map_err(|error| error.to_string())?;
+        Ok(Self { session, shape: shape.iter().map(|&n| n as i64).collect() })
+    }
+
+    /// Seconds, and the values of the first output.
+    pub(super) fn run(&mut self, input: &[f32]) -> Result<(f64, Vec<f32>), String> {
+        let input = TensorRef::from_array_view((self.shape.clone(), input)).map_err(|error| error.to_string())?;
+        let (took, answer) = timed(|| self.session.run(ort::inputs![input]));
+        let answer = answer.map_err(|error| error.to_string())?;
+        let (_, values) = answer[0].try_extract_tensor::<f32>().map_err(|error| error.to_string())?;
+        Ok((took, values.to_vec()))
+    }
+}
+
 /// The one environment that a process may have.
 fn environment() -> Result<&'static Environment, String> {
     static ENVIRONMENT: OnceLock<Result<Environment, String>> = OnceLock::new();
@@ -56,7 +81,10 @@ fn environment() -> Result<&'static Environment, String> {
 }
 
 fn session(onnx: &[u8], threads: usize) -> Result<Session, String> {
+    builder(threads)?.commit_from_memory(onnx).map_err(|error| error.to_string())
+}
+
+fn builder(threads: usize) -> Result<SessionBuilder, String> {
     let builder = Session::builder(environment()?).map_err(|error| error.to_string())?;
-    let mut builder = builder.with_intra_threads(threads).map_err(|error| error.to_string())?;
-    builder.commit_from_memory(onnx).map_err(|error| error.to_string())
+    builder.with_intra_threads(threads).map_err(|error| error.to_string())
 }

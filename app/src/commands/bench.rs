@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use anyhow::{Result, anyhow, bail};
 use clap::ValueEnum as _;
+use plenoscope::bench::model::{ModelReport, USUAL_SIZE};
 use plenoscope::bench::{self, Options, Report};
 use plenoscope::io::{self, Opened};
 use plenoscope::job::Job;
@@ -23,6 +24,9 @@ pub fn run(args: &Bench, job: &Job) -> Result<()> {
     if let Some(Size(size)) = args.once {
         bench::once(&models, &options, size.map(|side| side as usize), job)?;
         return say(&bench::peak_rss_mib().unwrap_or(f64::NAN).to_string());
+    }
+    if let Some(file) = &args.model {
+        return model(file, &options, args, job);
     }
     if let Some(file) = &args.pipeline {
         return pipeline(file, &models, args, job);
@@ -94,6 +98,33 @@ fn describe(report: &Report) -> String {
         }
     }
     lines.join("\n")
+}
+
+/// Lines of the profile that a person reads.
+const PROFILE_LINES: usize = 30;
+
+/// Times a net of somebody else.
+fn model(file: &std::path::Path, options: &Options, args: &Bench, job: &Job) -> Result<()> {
+    let size = args.size.first().map_or(USUAL_SIZE, |size| size.0.map(|side| side as usize));
+    let report = bench::model::run(file, size, options, args.profile, job)?;
+    if args.json {
+        return say_json(&report);
+    }
+    let ModelReport { machine, input, output, prepare_seconds, seconds, .. } = &report;
+    let mut lines =
+        vec![machine.clone(), format!("{input:?} → {output:?}  {seconds:.3} s (made ready in {prepare_seconds:.2} s)")];
+    if let (Some(other), Some(ratio)) = (report.onnxruntime_seconds, report.ratio) {
+        let difference = report.difference.unwrap_or(f64::NAN);
+        lines.push(format!(
+            "  ONNX Runtime {other:.3} s: {ratio:.2} times ours; its map differs by {difference:.1e} deviations"
+        ));
+    }
+    if let Some(mib) = report.peak_rss_mib {
+        lines.push(format!("  peak memory {mib:.0} MiB"));
+    }
+    let profile = report.profile.iter().flatten().take(PROFILE_LINES);
+    lines.extend(profile.map(|op| format!("{:9.4} s {:4} × {}", op.seconds, op.count, op.name)));
+    say(&lines.join("\n"))
 }
 
 /// What the product does with a photo.

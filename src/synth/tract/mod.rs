@@ -11,6 +11,8 @@ mod elu;
 mod error;
 mod op;
 mod options;
+mod picture;
+mod profile;
 mod rewrite;
 mod threads;
 
@@ -19,10 +21,14 @@ use std::sync::Arc;
 
 use tract_linalg::multithread::{Executor, multithread_tract_scope};
 use tract_onnx::prelude::*;
-use tract_onnx::tract_core::internal::DimLike as _;
+use tract_onnx::tract_core::internal::{DimLike as _, EvalContext};
+use tract_onnx::tract_core::ops::OpState;
+use tract_onnx::tract_core::plan;
 
 pub use error::EngineError;
 pub use options::{Options, Path};
+pub use picture::picture_shape;
+pub use profile::OpSeconds;
 pub(crate) use threads::{Pool, pool};
 
 use self::chain::{Chain, Convolutions};
@@ -147,7 +153,7 @@ impl Runnable {
 
     /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)).
     ///
-    /// `cancel` is looked at between blocks of rows of the direct convolutions.
+    /// `cancel` is looked at before each operation, and between blocks of rows of the kernel's.
     ///
     /// # Errors
     /// [`EngineError::Cancelled`]; [`EngineError::Run`] where the input does not have the length of the shape.
@@ -155,7 +161,12 @@ impl Runnable {
         let stop = || if cancel.is_cancelled() { Err(EngineError::Cancelled) } else { Ok(()) };
         stop()?;
         let input = Tensor::from_shape(&self.input_shape, input).map_err(EngineError::run)?;
-        let run = || multithread_tract_scope(Executor::RayonGlobal, || self.plan.run(tvec!(input.into_tvalue())));
+        let eval = |context: &EvalContext, state: Option<&mut (dyn OpState + 'static)>, node: &TypedNode, inputs| {
+            cancel.check()?;
+            plan::eval(context, state, node, inputs)
+        };
+        let run = || -> TractResult<_> { self.plan.spawn()?.run_plan_with_eval(tvec!(input.into_tvalue()), eval) };
+        let run = || multithread_tract_scope(Executor::RayonGlobal, run);
         let outputs = threads::pool(self.threads)?.install(|| op::with_cancel(cancel, run));
         stop()?;
         let output = outputs.map_err(EngineError::run)?.remove(0).into_arc_tensor();
