@@ -52,3 +52,16 @@ pub fn gflops(isa: Isa, threads: usize, tries: usize) -> f64 {
     };
     (0..tries.max(1)).map(|_| once()).fold(0.0, f64::max)
 }
+
+/// Processor seconds of all threads of this process so far; NaN where the system does not say.
+pub fn cpu_seconds() -> f64 {
+    #[cfg(unix)]
+    {
+        let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+        // SAFETY: the system writes the time into a place of the right type.
+        if unsafe { libc::clock_gettime(libc::CLOCK_PROCESS_CPUTIME_ID, &raw mut time) } == 0 {
+            return time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9;
+        }
+    }
+    f64::NAN
+}

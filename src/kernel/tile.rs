@@ -5,7 +5,7 @@
 //! vector puts several of its rows into a tile instead.
 
 use super::pack::BLOCK;
-use super::vector::{Vector, elu, tanh};
+use super::vector::{Vector, elu, gelu, tanh};
 
 /// What happens to the sums before they are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +19,15 @@ pub enum Activation {
     Tanh {
         /// The largest value that comes out.
         scale: f32,
+    },
+    /// GELU by the error function, `x · Φ(x)`.
+    Gelu,
+    /// Nothing below `low`, nothing above `high`: ReLU is 0 … ∞.
+    Clamp {
+        /// The least value that comes out.
+        low: f32,
+        /// The largest.
+        high: f32,
     },
 }
 
@@ -128,6 +137,8 @@ pub(super) unsafe fn activate<V: Vector>(value: V, activation: Activation) -> V 
             Activation::None => value,
             Activation::Elu => elu(value),
             Activation::Tanh { scale } => tanh(value).mul(V::splat(scale)),
+            Activation::Gelu => gelu(value),
+            Activation::Clamp { low, high } => V::splat(high).min(V::splat(low).max(value)),
         }
     }
 }

@@ -100,17 +100,68 @@ pub(super) unsafe fn tanh<V: Vector>(x: V) -> V {
     }
 }
 
+/// GELU, `x · Φ(x)`, error below 2e-7 of `x` (Abramowitz and Stegun 7.1.26 for the tail of the normal distribution).
+#[inline(always)]
+pub(super) unsafe fn gelu<V: Vector>(x: V) -> V {
+    const TAIL: [f32; 4] = [-1.453_152_1, 1.421_413_8, -0.284_496_72, 0.254_829_6];
+    // SAFETY: see the trait; no memory is touched.
+    unsafe {
+        // Below, the result is 0 to all digits; and −∞ · 0 would not be.
+        let x = V::splat(-50.0).max(x);
+        let z = x.mul(V::splat(std::f32::consts::FRAC_1_SQRT_2));
+        let minus_z = V::splat(0.0).sub(z);
+        let t = V::splat(1.0).div(z.max(minus_z).mul_add(V::splat(0.327_591_1), V::splat(1.0)));
+        let mut polynomial = V::splat(1.061_405_4);
+        for coefficient in TAIL {
+            polynomial = polynomial.mul_add(t, V::splat(coefficient));
+        }
+        let tail = exp_of_negative(z.mul(minus_z)).mul(polynomial.mul(t)).mul(V::splat(0.5));
+        let product = x.mul(tail);
+        x.if_positive(x.sub(product), product)
+    }
+}
+
 /// The functions that the rest of the kernel calls, compiled for one set of instructions.
 macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
         use $crate::kernel::winograd::batch::{pixels, products, tiles, weights};
         use $crate::kernel::winograd::{plane_tile, volume_tile};
-        use $crate::kernel::{norm, peak, tile, weight_tile};
+        use $crate::kernel::{norm, peak, product, resize, tile, token, weight_tile};
 
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
             // SAFETY: the caller's word.
             unsafe { tile::run::<$vector>(tile) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn product(block: &product::tile::Block) {
+            // SAFETY: the caller's word.
+            unsafe { product::tile::run::<$vector>(block) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn soft_scores(scores: &product::attention::Scores) {
+            // SAFETY: the caller's word.
+            unsafe { product::soft::run::<$vector>(scores) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn resize_across(across: &resize::Across) {
+            // SAFETY: the caller's word.
+            unsafe { resize::across(across) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn resize_down(down: &resize::Down) {
+            // SAFETY: the caller's word.
+            unsafe { resize::down::<$vector>(down) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn layer_norm_row(row: &token::Row) {
+            // SAFETY: the caller's word.
+            unsafe { token::normalise::<$vector>(row) }
         }
 
         $(#[target_feature(enable = $features)])?

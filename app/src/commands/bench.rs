@@ -123,7 +123,11 @@ fn model(file: &std::path::Path, options: &Options, args: &Bench, job: &Job) -> 
         lines.push(format!("  peak memory {mib:.0} MiB"));
     }
     let profile = report.profile.iter().flatten().take(PROFILE_LINES);
-    lines.extend(profile.map(|op| format!("{:9.4} s {:4} × {}", op.seconds, op.count, op.name)));
+    lines.extend(
+        profile.map(|op| {
+            format!("{:9.4} s, {:.4} of all threads {:4} × {}", op.seconds, op.cpu_seconds, op.count, op.name)
+        }),
+    );
     say(&lines.join("\n"))
 }
 

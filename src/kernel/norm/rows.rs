@@ -1,8 +1,8 @@
 //! The loops over one row, for any vector type. All slices of a call have the same length.
 
 use super::Channel;
-use crate::kernel::tile::Activation;
-use crate::kernel::vector::{Vector, elu, elu_slope, tanh};
+use crate::kernel::tile::{self, Activation};
+use crate::kernel::vector::{Vector, elu, elu_slope};
 
 /// Calls `$body` with the start and the number of values of each vector of a row of `$len`.
 macro_rules! for_vectors {
@@ -56,11 +56,7 @@ pub(in crate::kernel) unsafe fn activate<V: Vector>(values: &mut [f32], activati
     unsafe {
         for_vectors!(V, values.len(), |at, n| {
             let x: V = load(values, at, n);
-            let y = match activation {
-                Activation::None => x,
-                Activation::Elu => elu(x),
-                Activation::Tanh { scale } => tanh(x).mul(V::splat(scale)),
-            };
+            let y = tile::activate(x, activation);
             store(values.as_mut_ptr(), at, n, y);
         });
     }

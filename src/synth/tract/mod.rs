@@ -6,14 +6,20 @@
 //!
 //! Optimising costs 20–100 ms and is bound to the shape, so whoever runs a net often keeps its `Runnable`.
 
+mod attention;
 mod chain;
+mod dense;
 mod elu;
 mod error;
+mod layer_norm;
 mod op;
 mod options;
 mod picture;
 mod profile;
+mod resize;
 mod rewrite;
+mod roles;
+mod tail;
 mod threads;
 
 use std::ops::Deref;
@@ -92,6 +98,10 @@ fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Resu
         .map_err(shape_error)?;
     if let Some(isa) = isa {
         rewrite::rewrite(&mut model, isa).map_err(shape_error)?;
+        attention::rewrite(&mut model, isa).map_err(shape_error)?;
+        layer_norm::rewrite(&mut model, isa).map_err(shape_error)?;
+        dense::rewrite(&mut model, isa).map_err(shape_error)?;
+        resize::rewrite(&mut model, isa).map_err(shape_error)?;
         if !options.exact {
             chain::fuse(&mut model).map_err(shape_error)?;
         }

@@ -11,6 +11,7 @@ use tract_onnx::tract_core::ops::OpState;
 use tract_onnx::tract_core::plan;
 
 use super::{EngineError, Runnable, threads};
+use crate::kernel::peak::cpu_seconds;
 
 /// What all nodes of one operation took together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,6 +22,8 @@ pub struct OpSeconds {
     pub count: usize,
     /// Seconds on the clock.
     pub seconds: f64,
+    /// Seconds of all threads together: what a busy machine does not change much.
+    pub cpu_seconds: f64,
 }
 
 impl Runnable {
@@ -30,22 +33,22 @@ impl Runnable {
     /// As [`run`](Self::run).
     pub fn profile(&self, input: &[f32]) -> Result<Vec<OpSeconds>, EngineError> {
         let input = Tensor::from_shape(&self.input_shape, input).map_err(EngineError::run)?;
-        let mut spent: BTreeMap<String, (usize, f64)> = BTreeMap::new();
+        let mut spent: BTreeMap<String, (usize, f64, f64)> = BTreeMap::new();
         let mut eval =
             |context: &EvalContext, state: Option<&mut (dyn OpState + 'static)>, node: &TypedNode, inputs| {
-                let started = Instant::now();
+                let (started, cpu) = (Instant::now(), cpu_seconds());
                 let answer = plan::eval(context, state, node, inputs);
                 let shape = node.outputs.first().map(|output| format!("{:?}", output.fact.shape)).unwrap_or_default();
                 let entry = spent.entry(format!("{} {shape}", node.op().name())).or_default();
-                *entry = (entry.0 + 1, entry.1 + started.elapsed().as_secs_f64());
+                *entry = (entry.0 + 1, entry.1 + started.elapsed().as_secs_f64(), entry.2 + cpu_seconds() - cpu);
                 answer
             };
         let run = || -> TractResult<_> { self.plan.spawn()?.run_plan_with_eval(tvec!(input.into_tvalue()), &mut eval) };
         let run = || multithread_tract_scope(Executor::RayonGlobal, run);
         threads::pool(self.threads)?.install(run).map_err(EngineError::run)?;
-        let mut all: Vec<_> =
-            spent.into_iter().map(|(name, (count, seconds))| OpSeconds { name, count, seconds }).collect();
-        all.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        let op = |(name, (count, seconds, cpu_seconds))| OpSeconds { name, count, seconds, cpu_seconds };
+        let mut all: Vec<_> = spent.into_iter().map(op).collect();
+        all.sort_by(|a, b| b.cpu_seconds.total_cmp(&a.cpu_seconds));
         Ok(all)
     }
 }

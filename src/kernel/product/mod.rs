@@ -1,0 +1,15 @@
+//! Matrix products: of activations with constant weights, in attention, and as convolutions that are no 3×3.
+
+pub(in crate::kernel) mod attention;
+mod dense;
+mod panels;
+mod patches;
+mod project;
+pub(in crate::kernel) mod soft;
+pub(in crate::kernel) mod tile;
+
+pub use attention::{Attention, Heads, Sides};
+pub use dense::Dense;
+pub use panels::Panels;
+pub use patches::Patches;
+pub use project::{Columns, Project};
