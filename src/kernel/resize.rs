@@ -72,7 +72,7 @@ const TASK_ROWS: usize = 64;
 pub fn resize(
     isa: Isa,
     x: &[f32],
-    size @ [rows, columns]: [usize; 2],
+    [rows, columns]: [usize; 2],
     [down, across]: [&Taps; 2],
     out: &mut [MaybeUninit<f32>],
     cancel: Option<&AtomicBool>,
@@ -95,7 +95,7 @@ pub fn resize(
         for y in first..(first + TASK_ROWS).min(out_rows) {
             // SAFETY: each row of the result is written by one task alone.
             let target = unsafe { out.at((plane * out_rows + y) * out_columns) };
-            kept.row(isa, source, size, [down, across], y, target);
+            kept.row(isa, (source, columns), [down, across], y, target);
         }
     });
     if stopped() { Err(Cancelled) } else { Ok(()) }
@@ -117,7 +117,7 @@ impl Kept {
         self.held.resize(window, usize::MAX);
     }
 
-    fn row(&mut self, isa: Isa, x: &[f32], size: [usize; 2], [down, across]: [&Taps; 2], y: usize, out: *mut f32) {
+    fn row(&mut self, isa: Isa, (x, len): (&[f32], usize), [down, across]: [&Taps; 2], y: usize, out: *mut f32) {
         let columns = across.len();
         self.parts.clear();
         for (row, weight) in down.at(y) {
@@ -125,7 +125,7 @@ impl Kept {
             let place = row % self.held.len();
             if self.held[place] != row {
                 let target = self.values[place * columns..][..columns].as_mut_ptr();
-                on_isa!(isa, resize_across(&Across { row: &x[row * size[1]..][..size[1]], taps: across, out: target }));
+                on_isa!(isa, resize_across(&Across { row: &x[row * len..][..len], taps: across, out: target }));
                 self.held[place] = row;
             }
             self.parts.push((place, weight));

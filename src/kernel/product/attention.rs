@@ -69,9 +69,14 @@ pub(in crate::kernel) struct Scores<'a> {
     pub(in crate::kernel) over_sums: *mut f32,
 }
 
-/// Where a task puts its scores.
-struct Room {
+/// Some queries of one head, and room for their scores.
+struct Task<'a> {
+    head: [usize; 5],
+    rows: Range<usize>,
+    /// Keys and values as panels.
+    packed: &'a [Vec<f32>; 2],
     scores: *mut f32,
+    /// Values between rows of scores.
     step: usize,
     over_sums: *mut f32,
 }
@@ -109,24 +114,22 @@ impl Attention {
             let (head, first) = (task / blocks, task % blocks * block_rows);
             scratch.resize(block_rows * (step + 1), 0.0);
             let (scores, over_sums) = scratch.split_at_mut(block_rows * step);
-            let rows = first..(first + block_rows).min(sides.queries);
-            let room = Room { scores: scores.as_mut_ptr(), step, over_sums: over_sums.as_mut_ptr() };
-            self.block(isa, &self.heads.0[head], rows, [q, bias.unwrap_or_default()], &packed[head], &room, &out);
+            let block = Task {
+                head: self.heads.0[head],
+                rows: first..(first + block_rows).min(sides.queries),
+                packed: &packed[head],
+                scores: scores.as_mut_ptr(),
+                step,
+                over_sums: over_sums.as_mut_ptr(),
+            };
+            self.block(isa, &block, [q, bias.unwrap_or_default()], &out);
         });
         if stopped() { Err(Cancelled) } else { Ok(()) }
     }
 
     /// Some queries of one head.
-    fn block(
-        &self,
-        isa: Isa,
-        &[at_query, _, _, at_out, at_bias]: &[usize; 5],
-        rows: Range<usize>,
-        [q, bias]: [&[f32]; 2],
-        [k, v]: &[Vec<f32>; 2],
-        room: &Room,
-        out: &SendPtr,
-    ) {
+    fn block(&self, isa: Isa, task: &Task, [q, bias]: [&[f32]; 2], out: &SendPtr) {
+        let ([at_query, _, _, at_out, at_bias], rows, [k, v]) = (task.head, task.rows.clone(), task.packed);
         let s = self.sides;
         let width = VECTORS * isa.lanes();
         let whole = Block {
@@ -137,27 +140,27 @@ impl Attention {
             depth: s.depth,
             rows: rows.len(),
             columns: s.keys,
-            out: room.scores,
-            out_step: room.step,
+            out: task.scores,
+            out_step: task.step,
             finish: Finish::PLAIN,
         };
         // SAFETY: `check` made sure that these queries lie in the tensor.
         let product = Block { a: unsafe { q.as_ptr().add(at_query + rows.start * s.query_steps[0]) }, ..whole };
         on_isa!(isa, product(&product));
         let soft = Scores {
-            first: room.scores,
-            step: room.step,
+            first: task.scores,
+            step: task.step,
             rows: rows.len(),
             len: s.keys,
             scale: self.scale,
             bias: bias.get(at_bias + rows.start * s.bias_steps[0]..).unwrap_or_default(),
             bias_steps: s.bias_steps,
-            over_sums: room.over_sums,
+            over_sums: task.over_sums,
         };
         on_isa!(isa, soft_scores(&soft));
         let answer = Block {
-            a: room.scores,
-            a_step: room.step,
+            a: task.scores,
+            a_step: task.step,
             panels: v.as_ptr(),
             panel_step: s.keys * width,
             depth: s.keys,
@@ -165,7 +168,7 @@ impl Attention {
             // SAFETY: as above; these queries are answered by this task alone.
             out: unsafe { out.at(at_out + rows.start * s.out_steps[0]) },
             out_step: s.out_steps[0],
-            finish: Finish { row_factor: room.over_sums, ..Finish::PLAIN },
+            finish: Finish { row_factor: task.over_sums, ..Finish::PLAIN },
             ..whole
         };
         on_isa!(isa, product(&answer));

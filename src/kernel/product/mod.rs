@@ -13,3 +13,6 @@ pub use dense::Dense;
 pub use panels::Panels;
 pub use patches::Patches;
 pub use project::{Columns, Project};
+
+#[cfg(test)]
+mod tests;

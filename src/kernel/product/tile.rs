@@ -142,6 +142,7 @@ unsafe fn rows<V: Vector>(tile: &Tile, rows: usize) {
 
 /// `M` rows from `row` on by `N` vectors; answers `M`.
 #[inline(always)]
+#[allow(clippy::manual_memcpy, reason = "a memcpy would take the address of the sums and push them out of registers")]
 unsafe fn compute<V: Vector, const M: usize, const N: usize>(tile: &Tile, row: usize) -> usize {
     // SAFETY: the caller's word.
     unsafe {

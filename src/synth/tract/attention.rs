@@ -58,12 +58,15 @@ fn rule(
 }
 
 /// The second product; and, where tract takes only some of the queries' rows on, their axis and the first of them.
-fn answer<'a>(model: &'a TypedModel, softmax: &TypedNode) -> TractResult<Option<(&'a TypedNode, Option<[usize; 2]>)>> {
+fn answer<'a>(model: &'a TypedModel, softmax: &TypedNode) -> TractResult<Option<(&'a TypedNode, FirstRow)>> {
     let Some(next) = model.single_succ(softmax.id)? else { return Ok(None) };
     let Some(slice) = next.op_as::<Slice>() else { return Ok(Some((next, None))) };
     let (Some(answer), Ok(start)) = (model.single_succ(next.id)?, slice.start.to_usize()) else { return Ok(None) };
     Ok(Some((answer, Some([slice.axis, start]))))
 }
+
+/// The axis of the queries' rows in the scores and the first row that is wanted, where not all are.
+type FirstRow = Option<[usize; 2]>;
 
 /// What the softmax is made of.
 struct Scores<'a> {
@@ -143,7 +146,7 @@ fn parts(
     scores: &Scores,
     answer: &TypedNode,
     axis: usize,
-    first_row: Option<[usize; 2]>,
+    first_row: FirstRow,
 ) -> TractResult<Option<Parts>> {
     let Some(op) = scores.product.op_as::<EinSum>() else { return Ok(None) };
     let Some(first) = roles::roles(model, scores.product, op, 0)? else { return Ok(None) };
@@ -186,8 +189,7 @@ struct Layout {
     bias: Option<TVec<usize>>,
     /// The axis of the scores that the softmax is taken over.
     axis: usize,
-    /// The axis of the queries' rows in the scores and the first row that is wanted, where not all are.
-    first_row: Option<[usize; 2]>,
+    first_row: FirstRow,
 }
 
 impl Layout {
@@ -243,7 +245,7 @@ impl Layout {
             heads = heads.into_iter().flat_map(along).collect();
         }
         let contiguous = sides.query_steps[1] == 1 && sides.out_steps[1] == 1;
-        contiguous.then(|| Parts { heads: Heads(heads), sides, values })
+        contiguous.then_some(Parts { heads: Heads(heads), sides, values })
     }
 }
 

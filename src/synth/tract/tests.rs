@@ -1,5 +1,7 @@
 //! Small nets, written here, through the engine.
 
+mod foreign;
+
 use prost::Message as _;
 use tract_onnx::pb::*;
 use tract_onnx::pb::{attribute_proto::AttributeType, tensor_proto::DataType};

@@ -134,6 +134,9 @@ pub(super) fn biased_backward(saved: &SavedBiased, gy: &[f32], wants_x: bool) ->
         // exp(z) for z below 0, which is y + 1.
         Activation::Elu => 1.0 + y.min(0.0),
         Activation::None => 1.0,
+        Activation::Clamp { low, high } => f32::from(low < y && y < high),
+        // It cannot be told from y, and no net is trained with it.
+        Activation::Gelu => f32::NAN,
     };
     let values = slice(&saved.y).par_iter().zip(gy).with_min_len(8192);
     let gz: Vec<f32> = values.map(|(y, gy)| gy * slope(*y)).collect();
