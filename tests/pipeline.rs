@@ -1,6 +1,8 @@
 //! The whole way from a photo to a light field, on small random nets written in the test.
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
 
+#[path = "pipeline/edges.rs"]
+mod edges;
 #[path = "common/nets.rs"]
 mod nets;
 #[path = "pipeline/relative.rs"]

@@ -26,6 +26,7 @@ mod picture;
 mod pipeline;
 mod relative;
 mod speckles;
+mod steps;
 pub mod sweep;
 pub mod tract;
 pub mod upsample;
