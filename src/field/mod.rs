@@ -13,6 +13,7 @@
 //!   `x_src = (x + ½)·W_src / W_dst − ½`, the same for y. Outside the picture the edge pixel goes on (clamp).
 //! * **Scale.** A disparity belongs to a width. Brought from a picture of width `w` to one of width `W` it is
 //!   multiplied by `W / w`.
+//! * **Depth.** What only orders, or is in metres, becomes disparity in one place, `synth::range`.
 //! * **Light.** Stored pixels are sRGB-encoded; wherever light is summed it is linear.
 
 pub mod color;

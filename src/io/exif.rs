@@ -1,6 +1,6 @@
-//! The two things that we need from EXIF: which way up, and how long the lens.
+//! What we need from EXIF: which way up, how long the lens, and how far the subject.
 
-use exif::{Exif, In, Reader, Tag};
+use exif::{Exif, In, Reader, Tag, Value};
 
 /// Orientation 1 … 8 of an EXIF block (a TIFF structure); 1 where it says nothing sensible.
 pub(crate) fn orientation(tiff: &[u8]) -> u8 {
@@ -12,9 +12,18 @@ pub(crate) fn orientation(tiff: &[u8]) -> u8 {
 }
 
 /// Focal length as on 35-mm film, in millimetres.
-pub(crate) fn f35_mm(tiff: &[u8]) -> Option<f32> {
+pub fn f35_mm(tiff: &[u8]) -> Option<f32> {
     let value = parse(tiff)?.get_field(Tag::FocalLengthIn35mmFilm, In::PRIMARY)?.value.get_uint(0)?;
     (value > 0).then_some(value as f32)
+}
+
+/// Distance of the subject in metres, where it is written: 0 means unknown, and the greatest number infinity.
+pub fn subject_distance_m(tiff: &[u8]) -> Option<f32> {
+    let exif = parse(tiff)?;
+    match &exif.get_field(Tag::SubjectDistance, In::PRIMARY)?.value {
+        Value::Rational(values) => values.first().map(|m| m.to_f32()).filter(|m| m.is_finite() && *m > 0.0),
+        _ => None,
+    }
 }
 
 fn parse(tiff: &[u8]) -> Option<Exif> {

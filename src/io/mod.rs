@@ -10,7 +10,7 @@
 #[cfg(test)]
 mod data_tests;
 mod error;
-mod exif;
+pub mod exif;
 mod file_type;
 pub mod folder;
 pub mod formats;

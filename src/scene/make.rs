@@ -8,13 +8,15 @@ use serde::{Deserialize, Serialize};
 
 use super::picture::{MadeBy, MadeViews, Scene};
 use super::{Content, OnePhoto, Recorded, SceneError, Subject};
-use crate::field::{DisparityMap, fit_long_side};
+use crate::field::{DisparityMap, Photo, fit_long_side};
+use crate::io::exif;
 use crate::io::formats::depth_map::GivenDepth;
 use crate::job::Job;
 use crate::synth::cache::Cache;
+use crate::synth::range::{self, Camera};
 use crate::synth::{
-    DepthSource, ModelSource, SynthParams, Synthesizer, fuse, lift, reference_view, sweep, synthesize_from_map,
-    upsample,
+    DepthSource, ModelSource, SynthError, SynthParams, Synthesizer, fuse, lift, reference_view, sweep,
+    synthesize_from_map, upsample,
 };
 
 /// A correlation beyond this tells near from far. Of nine light fields of known sign it tells five, none of them wrongly.
@@ -236,6 +238,7 @@ fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
         disparity: None,
         source: DepthSource::Network,
         phone: one.phone.as_ref().map(|depth| Arc::new(depth.map.clone())),
+        camera: camera(&one.photo),
     };
     let missing = |what: &str| job.sink.warning(format!("{what}, so the network's depth is used"));
     match (&how.source, &one.own_map) {
@@ -257,6 +260,12 @@ fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
     base
 }
 
+/// What the photo's file says of the camera.
+fn camera(photo: &Photo) -> Camera {
+    let exif = photo.metadata().exif.as_deref();
+    Camera { f35_mm: exif.and_then(exif::f35_mm), focus_m: exif.and_then(exif::subject_distance_m) }
+}
+
 /// Lambertian views (paper, §3.2) of a photo whose depth is known; else the error that the nets gave.
 fn without_nets(
     subject: &Arc<Subject>,
@@ -273,7 +282,7 @@ fn without_nets(
     let map = match (&params.disparity, &one.truth, &params.phone) {
         (Some(map), ..) => Arc::clone(map),
         (None, Some(truth), _) => Arc::new(guided(truth)?),
-        (None, None, Some(phone)) => Arc::new(guided(&phone.disparity())?),
+        (None, None, Some(phone)) => Arc::new(guided(&range::of_phone(phone).map_err(SynthError::from)?)?),
         (None, None, None) => return Err(error),
     };
     job.sink.warning(format!("{} — the picture's own depth is used", crate::errors::sentence(&error)));

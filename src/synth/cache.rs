@@ -21,7 +21,7 @@ use crate::aside::NewFile;
 use crate::field::{DisparityMap, Photo, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
-const MAGIC: &[u8; 8] = b"PLENO\0\0\x02";
+const MAGIC: &[u8; 8] = b"PLENO\0\0\x03";
 /// Bytes that the folder may hold.
 const CAP_BYTES: u64 = 2 << 30;
 
@@ -133,6 +133,7 @@ impl CacheKey {
         let mut hash = Sha256::new();
         hash.update(env!("CARGO_PKG_VERSION"));
         hash.update(format!("{:?} {} {} {:?}", photo.size(), params.long_side, params.occlusion, params.source));
+        hash.update(format!("{:?}", params.camera));
         // All that a manifest says counts: who tries another working scale must not be shown the old one's light field.
         models.iter().for_each(|manifest| hash.update(format!("{manifest:?}")));
         hash.update(photo.srgb8());

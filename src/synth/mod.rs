@@ -24,6 +24,7 @@ mod occlusion;
 mod params;
 mod picture;
 mod pipeline;
+pub mod range;
 mod relative;
 mod speckles;
 mod steps;

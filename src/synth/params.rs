@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::ModelTag;
+use super::range::Camera;
 use crate::field::{DisparityMap, LightField, RayDepths, RelativeDepth};
 
 /// Where the reference view's ray depth comes from.
@@ -35,11 +36,21 @@ pub struct SynthParams {
     pub source: DepthSource,
     /// What the phone measured. For [`DepthSource::Phone`] and `Fused`.
     pub phone: Option<Arc<RelativeDepth>>,
+    /// What the photo's file says of the camera: for depth in metres.
+    pub camera: Camera,
 }
 
 impl Default for SynthParams {
     fn default() -> Self {
-        Self { long_side: 540, occlusion: true, threads: 0, disparity: None, source: DepthSource::Network, phone: None }
+        Self {
+            long_side: 540,
+            occlusion: true,
+            threads: 0,
+            disparity: None,
+            source: DepthSource::Network,
+            phone: None,
+            camera: Camera::default(),
+        }
     }
 }
 

@@ -73,9 +73,19 @@ impl Signed {
             light_row(view.rgba(), source[0] as usize, y, buffer);
             Ok(())
         });
+        Self::of_light(target, &light)
+    }
+
+    /// A photo at a net's own size, light averaged as light.
+    pub(crate) fn of_photo(photo: &Photo, target: Size, job: &Job) -> Result<Self, Cancelled> {
+        Ok(Self::of_light(target, &shrink(photo, target, job)?))
+    }
+
+    /// From linear light, `[y, x, rgb]`.
+    fn of_light(size: Size, light: &[f32]) -> Self {
         let signed = |v: f32| srgb_from_linear(v) * 2.0 - 1.0;
-        let [w, _] = sides(target);
-        Self::from_fn(target, |x, y| {
+        let [w, _] = sides(size);
+        Self::from_fn(size, |x, y| {
             let [r, g, b] = [0, 1, 2].map(|c| signed(light[(y * w + x) * 3 + c]));
             Vec4::new(r, g, b, 0.0)
         })

@@ -13,7 +13,7 @@ use super::relative::RelativeNet;
 use super::{
     DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task,
 };
-use super::{fuse, lambertian, lift, memory, tract, upsample};
+use super::{fuse, lambertian, lift, memory, range, tract, upsample};
 use crate::field::{
     DisparityMap, Filter, LightField, Photo, RayDepths, Size, View, ViewGrid, ViewIndex, disparity_scale,
     fit_long_side, nearest, pixels, resample,
@@ -120,7 +120,7 @@ impl Synthesizer {
     ) -> Result<DisparityMap, SynthError> {
         job.advance(Stage::Depth, 0, 3)?;
         let reference = reference_view(photo, params.long_side, job)?;
-        let (map, _) = self.reference_map(&reference, params, job)?;
+        let (map, _) = self.reference_map(photo, &reference, params, job)?;
         job.advance(Stage::Depth, 3, 3)?;
         Ok(map)
     }
@@ -129,7 +129,7 @@ impl Synthesizer {
         job.advance(Stage::Depth, 0, 3)?;
         let reference = Arc::new(reference_view(photo, params.long_side, job)?);
         job.sink.view(self.grid().reference(), &reference);
-        let depths = Arc::new(self.ray_depths(&reference, params, job)?);
+        let depths = Arc::new(self.ray_depths(photo, &reference, params, job)?);
         job.advance(Stage::Depth, 3, 3)?;
         job.sink.depths(&depths);
         let signed = Signed::from_view(&reference);
@@ -141,8 +141,14 @@ impl Synthesizer {
     }
 
     /// The disparity of every ray, from whatever source was asked for.
-    fn ray_depths(&self, reference: &View, params: &SynthParams, job: &Job) -> Result<RayDepths, SynthError> {
-        match self.reference_map(reference, params, job)? {
+    fn ray_depths(
+        &self,
+        photo: &Photo,
+        reference: &View,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<RayDepths, SynthError> {
+        match self.reference_map(photo, reference, params, job)? {
             (map, Some(net)) => all_maps(&net, map),
             (map, None) => Ok(lift::lifted(&map, self.grid(), job)?),
         }
@@ -151,6 +157,7 @@ impl Synthesizer {
     /// The disparity of the reference view, and the net's maps of all views where its manifest wants those.
     fn reference_map(
         &self,
+        photo: &Photo,
         reference: &View,
         params: &SynthParams,
         job: &Job,
@@ -162,12 +169,12 @@ impl Synthesizer {
         let map = match (&params.source, &params.phone) {
             (DepthSource::Model(id), _) => match &*self.further(id)? {
                 Further::Ray(net) => return refined(net, reference, threads, job),
-                Further::Relative(net) => net.estimate(reference, threads, job)?,
+                Further::Relative(net) => net.estimate(photo, reference, params, job)?,
             },
-            (DepthSource::Phone, Some(phone)) => upsample::to_guide(&phone.disparity(), reference, job)?,
+            (DepthSource::Phone, Some(phone)) => upsample::to_guide(&range::of_phone(phone)?, reference, job)?,
             (DepthSource::Fused, Some(phone)) => {
                 let net = self.depth.estimate(reference, threads, job)?.reference()?;
-                fuse::fuse(&net, &phone.disparity(), reference, job)?
+                fuse::fuse(&net, &range::of_phone(phone)?, reference, job)?
             }
             (source, _) => {
                 if *source != DepthSource::Network {

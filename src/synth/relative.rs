@@ -2,8 +2,9 @@
 
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
-use super::{ColourOrder, Layout, Manifest, ModelFile, SynthError, upsample};
-use crate::field::{DisparityMap, FieldError, Filter, RelativeDepth, Size, View, sides};
+use super::range::Estimate;
+use super::{ColourOrder, Layout, Manifest, ModelFile, RelativeOutput, SynthError, SynthParams, upsample};
+use crate::field::{DisparityMap, FieldError, Photo, RelativeDepth, Size, View, sides};
 use crate::job::Job;
 
 /// A net of somebody else: photo → relative depth.
@@ -21,24 +22,36 @@ impl RelativeNet {
         &self.net
     }
 
-    /// Ray depth of the reference view at its size.
-    pub(super) fn estimate(&self, photo: &View, threads: usize, job: &Job) -> Result<DisparityMap, SynthError> {
+    /// Ray depth of the reference view at its size. The net sees the photo itself, at the size that is best for it.
+    pub(super) fn estimate(
+        &self,
+        photo: &Photo,
+        reference: &View,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<DisparityMap, SynthError> {
         let manifest = self.net.manifest();
         let size = working_size(manifest, photo.size());
-        let input = relative_input(manifest, &Signed::resized(photo, size, Filter::Lanczos3));
+        let input = relative_input(manifest, &Signed::of_photo(photo, size, job)?);
         let [w, h] = sides(size);
         let shape = match manifest.relative.layout {
             Layout::Nchw => [1, 3, h, w],
             Layout::Nhwc => [1, h, w, 3],
         };
-        let output = self.net.run(&shape, &input, threads, job.cancel)?;
+        let output = self.net.run(&shape, &input, params.threads, job.cancel)?;
         let [w, h] = self.net.map_size(&output)?;
-        let range_px = manifest.disparity_range_px.unwrap_or_else(|| RelativeDepth::usual_range_px(w as u32));
-        let greatest = output.iter().copied().fold(0.0, f32::max);
-        let nearness = output.iter().map(|value| manifest.relative.output.nearness(*value, greatest)).collect();
-        let map = clamped(&RelativeDepth::new([w as u32, h as u32], nearness)?, range_px)?;
-        upsample::to_guide(&map, photo, job)
+        let map = estimate_of(manifest.relative.output, [w as u32, h as u32], &output)?;
+        let map = map.disparity(&params.camera, manifest.disparity_range_px)?;
+        upsample::to_guide(&map, reference, job)
     }
+}
+
+/// What a net's numbers say.
+fn estimate_of(output: RelativeOutput, size: Size, values: &[f32]) -> Result<Estimate, FieldError> {
+    let greatest = values.iter().copied().fold(0.0, f32::max);
+    let nearness = values.iter().map(|value| output.nearness(*value, greatest)).collect();
+    let estimate = Estimate::relative(RelativeDepth::new(size, nearness)?);
+    Ok(if output == RelativeOutput::Nearness { estimate.with_zeros_as_sky() } else { estimate })
 }
 
 /// The input's size: fixed by the manifest, or the photo's shape at the working long side.
@@ -64,25 +77,9 @@ fn relative_input(manifest: &Manifest, photo: &Signed) -> Vec<f32> {
     }
 }
 
-/// Relative depth as disparity, outliers cut: a net's distances near 0 would lie beyond all measure.
-fn clamped(depth: &RelativeDepth, [far, near]: [f32; 2]) -> Result<DisparityMap, FieldError> {
-    let map = depth.stretched([far, near]);
-    DisparityMap::new(map.size(), map.disparity_px().iter().map(|d| d.clamp(far, near)).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synth::RelativeOutput;
-
-    #[test]
-    fn nearness_is_stretched_and_outliers_are_cut() {
-        let mut nearness: Vec<f32> = (0..=100).map(|n| n as f32).collect();
-        nearness[100] = 1e6;
-        let map = clamped(&RelativeDepth::new([101, 1], nearness).unwrap(), [-1.0, 1.0]).unwrap();
-        assert_eq!([0, 2, 98, 100].map(|x| map.at(x, 0)), [-1.0, -1.0, 1.0, 1.0]);
-        assert!(map.at(50, 0).abs() < 1e-6);
-    }
 
     #[test]
     fn distance_is_inverted_and_stays_finite_at_zero() {
