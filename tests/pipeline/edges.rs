@@ -86,7 +86,7 @@ fn board_and_stem() -> (Photo, DisparityMap) {
     let on_board = |x: usize, y: usize| (120..480).contains(&x) && (140..600).contains(&y);
     let on_stem = |x: usize, y: usize| (760..768).contains(&x) && y >= 80;
     let color = |x: usize, y: usize| match (on_board(x, y), on_stem(x, y)) {
-        (true, _) if (x / 18 + y / 26) % 2 == 0 => [30, 30, 40, 255],
+        (true, _) if (x / 18 + y / 26).is_multiple_of(2) => [30, 30, 40, 255],
         (true, _) => [230, 225, 210, 255],
         (_, true) => [40, 70, 30, 255],
         _ => [120, 150, 110, 255],
