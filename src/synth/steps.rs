@@ -12,6 +12,8 @@ use crate::job::{Cancel, Cancelled};
 
 /// Steps of less than this are no two surfaces, px per view step.
 const LEAST_PX: f32 = STEP_PX / 2.0;
+/// A ramp that rises by less than this from one pixel to the next is a slope, px.
+const STEEP_PX: f32 = 0.03;
 /// A rise of less than this part of the ramp's steepest belongs to the surface at its end.
 const END: f32 = 0.15;
 /// A difference of the sides' colours at which half the weight is the colour's, 0 … 1.
@@ -72,7 +74,7 @@ impl Ramp {
             [0, 1].map(|i| ways[i].windows(2).rposition(|pair| rise(pair) >= END * steepest).map_or(0, |n| n + 1));
         let [near, far] = [0, 1].map(|i| map[ways[i][ends[i]]]);
         let beyond = [0, 1].map(|i| ways[i][(ends[i] + BEYOND).min(ways[i].len() - 1)]);
-        let is_step = ends.iter().all(|end| *end < reach) && near - far >= LEAST_PX;
+        let is_step = ends.iter().all(|end| *end < reach) && near - far >= LEAST_PX && steepest >= STEEP_PX;
         is_step.then_some(Self { px: [near, far], beyond, steepest })
     }
 

@@ -1,27 +1,25 @@
 //! Ray depth at the light field's size, with the photo as guide, so that edges sit on edges.
 //!
-//! 1. A larger map is reduced without averages, a smaller one enlarged. Where it changes quickly it is uncertain: its edge
-//!    lies somewhere in there.
-//! 2. Let certain values flow into uncertain ones, stopped by the photo's edges: normalised convolution by the
-//!    recursive domain transform (Gastal and Oliveira 2011). The less a map is enlarged, the less it needs that.
-//! 3. What is still a ramp between two surfaces becomes a step: `steps`.
-//! 4. What is left as islands smaller than a pixel of the small map is texture of the photo, not depth: it goes to a side.
+//! A larger map is reduced without averages. One nearly as large as its guide knows better than the photo's colours:
+//! sharp it stays, and where it is soft its ramps become steps (`steps`). A small one needs the photo:
 //!
-//! A map nearly as large as its guide whose edges are sharp already knows better than the photo's colours: it stays.
+//! 1. Enlarge the map. Where it changes quickly it is uncertain: its edge lies somewhere in there.
+//! 2. Let certain values flow into uncertain ones, stopped by the photo's edges: normalised convolution by the
+//!    recursive domain transform (Gastal and Oliveira 2011).
+//! 3. Sharpen what is still steep: such a pixel takes the near or the far side, never a depth in between.
+//! 4. What is left as islands smaller than a pixel of the small map is texture of the photo, not depth: it goes to a side.
 
 use rayon::prelude::*;
 
+use super::lift::STEP_PX;
 use super::{SynthError, speckles, steps};
 use crate::field::{DisparityMap, Filter, Size, View, resample, sides};
 use crate::job::{Cancel, Cancelled, Job};
 
-/// How far a certain value flows over even colour, as a share of the long side, where a map is enlarged much.
-const FLOW_SHARE: f32 = 0.03;
-/// Enlargement up to which nothing flows, and from which on everything that is uncertain is filled.
-const FLOWS_FROM: f32 = 1.25;
-const FLOWS_AT: f32 = 4.0;
-/// Enlargement up to which a sharp edge of the map stays as it is.
-const SHARP_STAYS: f32 = 1.5;
+/// Enlargement from which on a map is small: its edges are to be found in the photo.
+const SMALL: f32 = 2.0;
+/// How far a certain value flows over even colour, as a share of the long side.
+const FLOW_SHARE: f32 = 0.05;
 /// A map whose steps rise by this part of them from one pixel to the next is as sharp as it can be drawn.
 const SHARP: f32 = 0.5;
 /// A difference of colour (mean of the channels, 0 … 1) that halts the flow.
@@ -36,6 +34,8 @@ const STEEPER_THAN_USUAL: f32 = 2.0;
 const LEAST: f32 = 1e-4;
 /// Passes of the domain transform, each finer.
 const PASSES: u32 = 3;
+/// Rounds of sharpening: a steep ramp of twice as many pixels becomes a step.
+const SHARPEN_ROUNDS: usize = 6;
 /// Longest way from a pixel of a ramp to its end: pixels of the guide, and more of them for each pixel of the map.
 const RAMP_PX: f32 = 6.0;
 const RAMP_OF_MAP: f32 = 3.0;
@@ -50,10 +50,12 @@ pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<Disparity
     let scaled: Vec<f32> = map.disparity_px().iter().map(|d| d * ratio).collect();
     let (small, source) = reduced(scaled, map.size(), target);
     let enlarged = target[0] as f32 / source[0] as f32;
+    let mut disparity_px = resample::<1>(&small, source, target, Filter::Linear);
     let reach = (RAMP_PX + RAMP_OF_MAP * enlarged) as usize;
-    let mut disparity_px = spread(&small, source, guide, enlarged, job)?;
-    let sharpness = steps::sharpness(&small, sides(source), reach);
-    if enlarged > SHARP_STAYS || sharpness < SHARP {
+    if enlarged >= SMALL {
+        let certain = resample::<1>(&certainty(&small, sides(source)), source, target, Filter::Linear);
+        disparity_px = spread(&disparity_px, &certain, guide, job)?;
+    } else if steps::sharpness(&small, sides(source), reach) < SHARP {
         steps::settle(&mut disparity_px, guide, reach, job.cancel)?;
     }
     let least = (enlarged * enlarged) as usize;
@@ -84,22 +86,16 @@ fn reduced(map: Vec<f32>, source: Size, guide: Size) -> (Vec<f32>, Size) {
     ((0..sides(target).iter().product()).into_par_iter().map(value).collect(), target)
 }
 
-/// Enlarges a map and lets its certain values flow into uncertain ones up to the guide's edges.
-fn spread(map: &[f32], source: Size, guide: &View, enlarged: f32, job: &Job) -> Result<Vec<f32>, Cancelled> {
+/// Lets certain values flow into uncertain ones up to the guide's edges, then sharpens the steps that remain.
+fn spread(values: &[f32], certain: &[f32], guide: &View, job: &Job) -> Result<Vec<f32>, Cancelled> {
     let size = sides(guide.size());
-    let values = resample::<1>(map, source, guide.size(), Filter::Linear);
-    let weight = ((enlarged - FLOWS_FROM) / (FLOWS_AT - FLOWS_FROM)).clamp(0.0, 1.0);
-    if weight == 0.0 {
-        return Ok(values);
-    }
-    let certain = resample::<1>(&certainty(map, sides(source)), source, guide.size(), Filter::Linear);
-    let mut flow: Vec<[f32; 2]> = values.iter().zip(&certain).map(|(d, c)| [d * c, *c]).collect();
+    let mut flow: Vec<[f32; 2]> = values.iter().zip(certain).map(|(d, c)| [d * c, *c]).collect();
     let difference = |a: usize, b: usize| colour_difference(guide, a, b);
-    let reach = weight * FLOW_SHARE * size[0].max(size[1]) as f32;
+    let reach = FLOW_SHARE * size[0].max(size[1]) as f32;
     EdgeAware::new(size, reach, difference).smooth(&mut flow, job.cancel)?;
-    let filled = flow.iter().map(|[d, c]| d / c);
-    // What is certain stays: the flow would wash out what the map knows.
-    Ok(filled.zip(&values).zip(&certain).map(|((filled, own), certain)| filled + (own - filled) * certain).collect())
+    let mut map: Vec<f32> = flow.iter().map(|[d, c]| d / c).collect();
+    sharpen(&mut map, size, job.cancel)?;
+    Ok(map)
 }
 
 /// Difference of the colours of two pixels, mean of the channels, 0 … 1.
@@ -209,6 +205,26 @@ fn flow_down<const N: usize>(values: &mut [[f32; N]], weights: &[f32], width: us
         let weights = &weights[y * width..(y + 1) * width];
         above.iter_mut().zip(row).zip(weights).for_each(|((pixel, from), weight)| blend(pixel, *from, finer(*weight)));
     }
+}
+
+/// Turns steep ramps into steps: each steep pixel takes the extreme of its neighbourhood that is nearer to its value.
+fn sharpen(map: &mut [f32], [w, h]: [usize; 2], cancel: &Cancel) -> Result<(), Cancelled> {
+    for _ in 0..SHARPEN_ROUNDS {
+        cancel.check()?;
+        let before = map.to_vec();
+        map.par_chunks_mut(w).enumerate().for_each(|(y, row)| {
+            let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)].map(|y| &before[y * w..(y + 1) * w]);
+            for (x, value) in row.iter_mut().enumerate() {
+                let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
+                let near = rows.iter().map(|row| row[l].max(row[x]).max(row[r])).fold(f32::MIN, f32::max);
+                let far = rows.iter().map(|row| row[l].min(row[x]).min(row[r])).fold(f32::MAX, f32::min);
+                if near - far > STEP_PX {
+                    *value = if near - *value < *value - far { near } else { far };
+                }
+            }
+        });
+    }
+    Ok(())
 }
 
 #[cfg(test)]
