@@ -165,6 +165,12 @@ macro_rules! entry_points {
         }
 
         $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn depthwise_plane(plane: &product::depthwise::Plane) {
+            // SAFETY: the caller's word.
+            unsafe { product::depthwise::run::<$vector>(plane) }
+        }
+
+        $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn winograd_plane(tiles: &plane_tile::Tiles, scratch: *mut f32) {
             // SAFETY: the caller's word.
             unsafe { plane_tile::run::<$vector>(tiles, scratch) }

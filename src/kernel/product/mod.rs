@@ -2,6 +2,7 @@
 
 pub(in crate::kernel) mod attention;
 mod dense;
+pub(in crate::kernel) mod depthwise;
 mod panels;
 mod patches;
 mod project;
@@ -10,6 +11,7 @@ pub(in crate::kernel) mod tile;
 
 pub use attention::{Attention, Heads, Sides};
 pub use dense::Dense;
+pub use depthwise::DepthWise;
 pub use panels::Panels;
 pub use patches::Patches;
 pub use project::{Columns, Project};

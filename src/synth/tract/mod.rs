@@ -14,6 +14,7 @@ mod error;
 mod layer_norm;
 mod op;
 mod options;
+mod patch_conv;
 mod picture;
 mod profile;
 mod resize;
@@ -101,6 +102,7 @@ fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Resu
         attention::rewrite(&mut model, isa).map_err(shape_error)?;
         layer_norm::rewrite(&mut model, isa).map_err(shape_error)?;
         dense::rewrite(&mut model, isa).map_err(shape_error)?;
+        patch_conv::rewrite(&mut model, isa).map_err(shape_error)?;
         resize::rewrite(&mut model, isa).map_err(shape_error)?;
         if !options.exact {
             chain::fuse(&mut model).map_err(shape_error)?;

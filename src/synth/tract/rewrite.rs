@@ -15,6 +15,7 @@ use tract_onnx::tract_core::ops::nn::DataFormat;
 
 use super::elu::FusedElu;
 use super::op::DirectConv;
+use super::tail::Tail;
 use crate::kernel::{Activation, Isa, Kernel, Packed, Padding};
 
 /// Rewrites a decluttered model.
@@ -109,7 +110,7 @@ fn padding(
 fn activation(model: &TypedModel, node: &TypedNode) -> TractResult<(Activation, OutletId)> {
     let plain = (Activation::None, node.id.into());
     let Some(next) = model.single_succ(node.id)? else { return Ok(plain) };
-    let Some(op) = next.op_as::<ElementWiseOp>() else { return Ok(plain) };
+    let Some(op) = next.op_as::<ElementWiseOp>() else { return clamp(model, node) };
     if op.0.is::<FusedElu>() {
         return Ok((Activation::Elu, next.id.into()));
     }
@@ -122,6 +123,13 @@ fn activation(model: &TypedModel, node: &TypedNode) -> TractResult<(Activation, 
         Some(scale) => (Activation::Tanh { scale }, scaled.id.into()),
         None => tanh,
     })
+}
+
+/// The limits that the result is kept within, and the outlet behind them.
+fn clamp(model: &TypedModel, node: &TypedNode) -> TractResult<(Activation, OutletId)> {
+    let tail = Tail::alone(model, node, &[], 1)?;
+    let plain = tail.scale == [1.0] && tail.bias == [0.0];
+    Ok(if plain { (tail.activation, tail.last) } else { (Activation::None, node.id.into()) })
 }
 
 /// The positive number by which `node` multiplies the result of the node `of`.

@@ -34,6 +34,11 @@ impl Tail {
         Self::follow(model, node, axes, channels, |tail| tail.activation == Activation::None && tail.summand.is_none())
     }
 
+    /// The same, without a tensor that is added.
+    pub(super) fn alone(model: &TypedModel, node: &TypedNode, axes: &[usize], channels: usize) -> TractResult<Self> {
+        Self::follow(model, node, axes, channels, |tail| tail.summand.is_none())
+    }
+
     fn follow(
         model: &TypedModel,
         node: &TypedNode,

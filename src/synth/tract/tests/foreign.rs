@@ -162,6 +162,45 @@ fn points_and_enlargement_are_done_by_the_kernel_and_equal_tract() {
     }
 }
 
+/// A convolution with what follows it in public nets: a scale and shift, limits, and something added.
+fn convolution(channels: [i64; 2], group: i64, attributes: Vec<AttributeProto>, size: [i64; 2]) -> Vec<u8> {
+    let mut g = Graph::default();
+    let [first, second] = channels;
+    let kernel = attributes[0].ints.clone();
+    let (weights, bias) = (g.weights(&[second, first / group, kernel[0], kernel[1]]), g.weights(&[second]));
+    let group =
+        AttributeProto { name: "group".into(), i: group, r#type: AttributeType::Int as i32, ..Default::default() };
+    let x = g.node("Conv", &["x", &weights, &bias], [attributes, vec![group]].concat());
+    let (scale, low, high) = (g.weights(&[second, 1, 1]), g.number(-0.5), g.number(2.0));
+    let x = g.node("Mul", &[&x, &scale], vec![]);
+    let clipped = g.node("Clip", &[&x, &low, &high], vec![]);
+    let x = g.node("Mul", &[&clipped, &low], vec![]);
+    let x = g.node("Add", &[&clipped, &x], vec![]);
+    g.finish(&x, &[1, first, size[0], size[1]], &[1, second, -1, -2])
+}
+
+#[test]
+fn convolutions_of_any_kernel_are_done_by_the_kernel_and_equal_tract() {
+    let attributes = |kernel: [i64; 2], stride: i64, pads: [i64; 4], dilation: i64| {
+        let (kernel, strides, dilations) = (&kernel, &[stride; 2], &[dilation; 2]);
+        vec![ints("kernel_shape", kernel), ints("strides", strides), ints("dilations", dilations), ints("pads", &pads)]
+    };
+    for (channels, group, attributes, size, name) in [
+        ([5, 7], 1, attributes([3, 3], 2, [1; 4], 1), [13, 22], "PatchConv"),
+        ([3, 20], 1, attributes([14, 14], 14, [0; 4], 1), [28, 42], "PatchConv"),
+        ([3, 4], 1, attributes([5, 7], 1, [2, 3, 2, 3], 1), [9, 40], "PatchConv"),
+        ([64, 70], 1, attributes([3, 3], 1, [1; 4], 1), [7, 8], "PatchConv"),
+        ([9, 9], 9, attributes([3, 3], 1, [1; 4], 1), [8, 8], "PlaneConv"),
+        ([9, 9], 9, attributes([3, 3], 2, [0, 0, 1, 1], 1), [16, 31], "PlaneConv"),
+        ([9, 9], 9, attributes([5, 5], 2, [1, 1, 2, 2], 1), [33, 70], "PlaneConv"),
+        ([6, 6], 6, attributes([3, 5], 3, [4, 5, 0, 1], 2), [19, 21], "PlaneConv"),
+    ] {
+        let shape = [1, channels[0] as usize, size[0] as usize, size[1] as usize];
+        let net = agrees(&convolution(channels, group, attributes, size), &shape);
+        assert_eq!(count(&net, name), 1, "{channels:?} {group} {size:?}");
+    }
+}
+
 #[test]
 fn a_foreign_net_stops_between_its_operations() {
     let onnx = transformer(37, false);
