@@ -7,8 +7,10 @@ use super::{Manifest, ModelError, ModelFile, SynthError};
 use crate::job::{Cancel, Cancelled};
 use crate::kernel::winograd::VolumeChain;
 
-/// Shapes that are kept ready; the oldest goes first.
+/// Shapes that are kept ready at most; the oldest goes first.
 const WARM_SHAPES: usize = 8;
+/// Weights of all shapes that are kept ready, as each has its own; of a larger net one shape is kept.
+const WARM_BYTES: usize = 256 << 20;
 /// Side of the small picture that a model is tried with when it is loaded.
 const TRIAL_SIDE: usize = 16;
 
@@ -92,11 +94,12 @@ impl Net {
         if let Some((_, net)) = warm.iter().find(|(n, net)| *n == threads && net.input_shape() == shape) {
             return Ok(net.clone());
         }
+        let kept = (WARM_BYTES / self.file.onnx.len().max(1)).clamp(1, WARM_SHAPES);
+        // Before the next one comes, so that a large net is never in memory twice.
+        let gone = (warm.len() + 1).saturating_sub(kept);
+        warm.drain(..gone);
         let options = Options { threads, ..Options::default() };
         let net = prepare(&self.file.onnx, shape, &options).map_err(|error| self.synth(error))?;
-        if warm.len() == WARM_SHAPES {
-            warm.remove(0);
-        }
         warm.push((threads, net.clone()));
         Ok(net)
     }

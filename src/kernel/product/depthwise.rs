@@ -168,8 +168,8 @@ unsafe fn rows<V: Vector, const N: usize>(plane: &Plane, y: usize) -> usize {
             let mut sums = [V::splat(plane.bias); N];
             for (tap, weight) in plane.taps.iter().zip(plane.weights) {
                 let (from, weight) = (plane.padded.add(y * plane.step + tap + x), V::splat(*weight));
-                for n in 0..N {
-                    sums[n] = V::load(from.add(n * plane.step)).mul_add(weight, sums[n]);
+                for (n, sum) in sums.iter_mut().enumerate() {
+                    *sum = V::load(from.add(n * plane.step)).mul_add(weight, *sum);
                 }
             }
             for (n, sum) in sums.into_iter().enumerate() {

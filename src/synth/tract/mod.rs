@@ -1,7 +1,8 @@
 //! The only place that knows tract: a plain ONNX file becomes a [`Runnable`] for one input shape.
 //!
 //! ```text
-//! ONNX bytes ─parse─► typed model at a fixed shape ─rewrite─► direct convolutions ─fuse─► chains ─optimise─► Runnable
+//! ONNX bytes ─parse─► typed model at a fixed shape ─rewrite─► direct convolutions, products, attention … ─fuse─► chains
+//!            ─optimise─► Runnable
 //! ```
 //!
 //! Optimising costs 20–100 ms and is bound to the shape, so whoever runs a net often keeps its `Runnable`.
@@ -40,6 +41,7 @@ pub(crate) use threads::{Pool, pool};
 
 use self::chain::{Chain, Convolutions};
 use crate::job::Cancel;
+use crate::kernel::Isa;
 use crate::kernel::winograd::VolumeChain;
 use crate::panics;
 
@@ -89,21 +91,18 @@ fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Resu
     error::check_weights(&proto)?;
     let fact = f32::fact(input_shape).into();
     let shape_error = |source| EngineError::shape(input_shape, source);
-    let mut model = onnx
-        .with_ignore_output_shapes(true)
-        .model_for_proto_model(&proto)
-        .map_err(EngineError::unsupported)?
+    let parsed =
+        onnx.with_ignore_output_shapes(true).model_for_proto_model(&proto).map_err(EngineError::unsupported)?;
+    // The model has its own copy of the weights.
+    drop(proto);
+    let mut model = parsed
         .with_input_fact(0, fact)
         .and_then(|model| model.into_typed())
         .and_then(|model| model.into_decluttered())
         .map_err(shape_error)?;
     if let Some(isa) = isa {
         rewrite::rewrite(&mut model, isa).map_err(shape_error)?;
-        attention::rewrite(&mut model, isa).map_err(shape_error)?;
-        layer_norm::rewrite(&mut model, isa).map_err(shape_error)?;
-        dense::rewrite(&mut model, isa).map_err(shape_error)?;
-        patch_conv::rewrite(&mut model, isa).map_err(shape_error)?;
-        resize::rewrite(&mut model, isa).map_err(shape_error)?;
+        foreign(&mut model, isa).map_err(shape_error)?;
         if !options.exact {
             chain::fuse(&mut model).map_err(shape_error)?;
         }
@@ -111,6 +110,15 @@ fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Resu
     let plan = model.into_optimized().and_then(|model| model.into_runnable()).map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;
     Ok(Runnable { plan, input_shape: input_shape.to_vec(), output_shape, threads: options.threads })
+}
+
+/// What public nets are made of, done by the kernel.
+fn foreign(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
+    attention::rewrite(model, isa)?;
+    layer_norm::rewrite(model, isa)?;
+    dense::rewrite(model, isa)?;
+    patch_conv::rewrite(model, isa)?;
+    resize::rewrite(model, isa)
 }
 
 fn output_shape(plan: &TypedRunnableModel) -> TractResult<Vec<usize>> {
