@@ -10,7 +10,7 @@ use crate::kernel::Kernel;
 use crate::kernel::winograd::{Layer, PlaneChain, VolumeChain};
 
 /// Pixels from which on the transforms pay in a plane; below, weights would be most of the work.
-const LEAST_PIXELS: usize = 8192;
+const LEAST_PIXELS: usize = 1024;
 
 /// Convolutions that follow each other.
 #[derive(Clone, Debug, PartialEq)]
