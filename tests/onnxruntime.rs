@@ -3,15 +3,12 @@
 //! `cargo xtask test` fetches the library and sets `ORT_DYLIB_PATH`. Without it these tests say that they skip; with
 //! `CI=true` they fail.
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
-#![allow(clippy::explicit_write, reason = "the test harness keeps what eprintln! says to itself")]
 #![cfg(feature = "onnxruntime")]
 
 #[path = "common/nets.rs"]
 mod nets;
-
-use std::io::Write as _;
-use std::path::PathBuf;
-use std::sync::OnceLock;
+#[path = "common/runtime.rs"]
+mod runtime;
 
 use nets::Layer;
 use ort::environment::Environment;
@@ -27,22 +24,6 @@ const DEPTH_TOLERANCE: f32 = 1e-4;
 const RESIDUAL_TOLERANCE: f32 = 1e-5;
 /// How much more Winograd's algorithm may be off.
 const WINOGRAD: f32 = 10.0;
-
-/// ONNX Runtime, where its library is; one environment a process.
-fn runtime() -> Option<&'static Environment> {
-    static RUNTIME: OnceLock<Option<Environment>> = OnceLock::new();
-    let runtime = RUNTIME.get_or_init(|| {
-        let library = std::env::var_os("ORT_DYLIB_PATH").map(PathBuf::from).filter(|path| path.is_file());
-        let hint = "ORT_DYLIB_PATH names no ONNX Runtime library; `cargo xtask test` fetches it";
-        let Some(library) = library else {
-            assert!(std::env::var_os("CI").is_none(), "{hint}");
-            writeln!(std::io::stderr(), "\nSKIPPED, tract was not compared with ONNX Runtime: {hint}\n").unwrap();
-            return None;
-        };
-        Some(ort::init_from(library).unwrap().build().unwrap())
-    });
-    runtime.as_ref()
-}
 
 /// Reproducible values in −1 … 1.
 fn noise(count: usize) -> Vec<f32> {
@@ -75,7 +56,7 @@ fn compare(runtime: &Environment, what: &str, onnx: &[u8], shape: &[usize], tole
 
 #[test]
 fn small_random_nets_answer_alike_at_even_odd_and_tiny_sizes() {
-    let Some(runtime) = runtime() else { return };
+    let Some(runtime) = runtime::runtime() else { return };
     let depth = nets::onnx(&[Layer::conv2(5, 16), Layer::conv2(16, 24).dilated(4), Layer::conv2(24, 64)], 3);
     for (h, w) in [(48, 64), (37, 53), (5, 3), (1, 1)] {
         compare(runtime, "small depth net", &depth, &[1, 5, h, w], DEPTH_TOLERANCE);
@@ -88,7 +69,7 @@ fn small_random_nets_answer_alike_at_even_odd_and_tiny_sizes() {
 
 #[test]
 fn the_papers_depth_net_answers_alike() {
-    let Some(runtime) = runtime() else { return };
+    let Some(runtime) = runtime::runtime() else { return };
     let mut layers = vec![Layer::conv2(3, 16), Layer::conv2(16, 64), Layer::conv2(64, 128)];
     layers.extend([2, 4, 8, 16].map(|dilation| Layer::conv2(128, 128).dilated(dilation)));
     layers.extend([Layer::conv2(128, 128), Layer::conv2(128, 64), Layer::conv2(64, 64)]);
@@ -97,7 +78,7 @@ fn the_papers_depth_net_answers_alike() {
 
 #[test]
 fn the_shipped_nets_answer_alike() {
-    let Some(runtime) = runtime() else { return };
+    let Some(runtime) = runtime::runtime() else { return };
     let source = ModelSource::Embedded;
     let index = source.index().unwrap();
     let depth = source.model(&index.depth, Task::RayDepth).unwrap();

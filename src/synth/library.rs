@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 use std::fs;
-use std::path::PathBuf;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
@@ -48,6 +49,8 @@ pub struct ModelFile {
     pub manifest: Manifest,
     /// The ONNX file.
     pub onnx: Cow<'static, [u8]>,
+    /// The folder that its further files lie in, where it has some.
+    pub folder: Option<PathBuf>,
     /// Where it came from, for errors.
     pub place: String,
 }
@@ -75,6 +78,18 @@ impl ModelSource {
 
     /// Reads one model and checks its task and checksum.
     pub fn model(&self, id: &str, task: Task) -> Result<ModelFile, ModelError> {
+        let manifest = self.manifest(id, task)?;
+        let file = format!("{id}/{}", manifest.file);
+        let onnx = self.bytes(&file)?;
+        if sha256(&onnx) != manifest.sha256.to_lowercase() {
+            return Err(ModelError::Tampered { id: manifest.id, place: self.place(&file) });
+        }
+        let folder = self.data_folder(id, &manifest)?;
+        Ok(ModelFile { manifest, onnx, folder, place: self.place(&file) })
+    }
+
+    /// Reads what a model says of itself and checks its task; its files are not looked at.
+    pub fn manifest(&self, id: &str, task: Task) -> Result<Manifest, ModelError> {
         let path = format!("{id}/manifest.toml");
         let place = self.place(&path);
         let manifest = Manifest::parse(&self.text(&path)?, &place)?;
@@ -86,12 +101,20 @@ impl ModelSource {
             let why = format!("its task is {:?} where {task:?} is needed", manifest.task);
             return Err(ModelError::Manifest { place, why });
         }
-        let file = format!("{id}/{}", manifest.file);
-        let onnx = self.bytes(&file)?;
-        if hex(&Sha256::digest(&onnx)) != manifest.sha256.to_lowercase() {
-            return Err(ModelError::Tampered { id: manifest.id, place: self.place(&file) });
+        Ok(manifest)
+    }
+
+    /// The folder of a model's further files, each checked; none where the model is one file.
+    fn data_folder(&self, id: &str, manifest: &Manifest) -> Result<Option<PathBuf>, ModelError> {
+        let Self::Folder(folder) = self else { return Ok(None) };
+        for (name, sha256) in &manifest.data_files {
+            let path = folder.join(id).join(name);
+            let found = checksum(&path).map_err(|source| ModelError::Unreadable { path: path.clone(), source })?;
+            if found != sha256.to_lowercase() {
+                return Err(ModelError::Tampered { id: id.to_owned(), place: path.display().to_string() });
+            }
         }
-        Ok(ModelFile { manifest, onnx, place: self.place(&file) })
+        Ok((!manifest.data_files.is_empty()).then(|| folder.join(id)))
     }
 
     /// Where the pair of nets comes from: a folder of `relative-depth` models alone leaves those in the program in use.
@@ -107,18 +130,10 @@ impl ModelSource {
         }
     }
 
-    /// A depth net other than the pair's own, by its name.
-    ///
-    /// # Errors
-    /// [`ModelError::NoSource`] where there is none of that name; what is wrong with it where there is one.
-    pub(super) fn further_model(&self, id: &str) -> Result<ModelFile, ModelError> {
-        if self.folders().iter().any(|folder| folder == id) {
-            let task = self.depth_task(id).unwrap_or(Task::RelativeDepth);
-            return self.model(id, task);
-        }
-        let always = ["network", "phone", "fused"].map(str::to_owned);
-        let known = [&always[..], &self.further_models()].concat().join(", ");
-        Err(ModelError::NoSource { name: id.to_owned(), known })
+    /// A depth net other than the pair's own, by its name; none where there is none.
+    pub(super) fn further_model(&self, id: &str) -> Option<Result<ModelFile, ModelError>> {
+        let is_here = self.folders().iter().any(|folder| folder == id);
+        is_here.then(|| self.model(id, self.depth_task(id).unwrap_or(Task::RelativeDepth)))
     }
 
     /// Names of the depth nets that lie here beside the pair's own: further sources of ray depth. Broken ones are left
@@ -176,6 +191,24 @@ impl ModelSource {
             Self::Folder(folder) => folder.join(path).display().to_string(),
         }
     }
+}
+
+/// Checksum of a file, read a piece at a time: weights can be larger than the memory that is free.
+pub(super) fn checksum(path: &Path) -> std::io::Result<String> {
+    let mut file = fs::File::open(path)?;
+    let mut sum = Sha256::new();
+    let mut piece = vec![0; 1 << 20];
+    loop {
+        match file.read(&mut piece)? {
+            0 => return Ok(hex(&sum.finalize())),
+            n => sum.update(&piece[..n]),
+        }
+    }
+}
+
+/// Checksum of bytes.
+pub(super) fn sha256(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
 }
 
 /// Lower-case hexadecimal digits.

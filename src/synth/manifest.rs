@@ -1,12 +1,15 @@
 //! What a model says about itself: `models/<id>/manifest.toml`.
 
-use serde::Deserialize;
+use std::collections::BTreeMap;
 
+use serde::{Deserialize, Serialize};
+
+use super::tract::Wiring;
 use super::{ModelError, ModelTag};
 use crate::field::ViewGrid;
 
 /// What a model is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Task {
     /// Photo → one ray-depth map a view: `[1, C, H, W] → [1, V·U, H, W]`, pixels per view step at its own long side.
@@ -18,7 +21,7 @@ pub enum Task {
 }
 
 /// What a depth net is fed, channel by channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channels {
     /// Red, green, blue, sRGB-encoded, −1 … 1.
@@ -38,7 +41,7 @@ impl Channels {
 }
 
 /// Where the maps of the 63 other views come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RayDepthsFrom {
     /// The refined map of the reference view, carried along its rays (`synth::lift`).
@@ -49,7 +52,7 @@ pub enum RayDepthsFrom {
 }
 
 /// Long sides at which the depth net runs: one, or coarse and fine.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(untagged)]
 pub enum LongSides {
     /// One pass.
@@ -69,7 +72,7 @@ impl LongSides {
 }
 
 /// How a `relative-depth` model wants its picture and what its numbers mean.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RelativeRules {
     /// Width and height of the input; 0, 0 = any size, the longer side is `working_long_side`.
@@ -80,10 +83,31 @@ pub struct RelativeRules {
     pub std: [f32; 3],
     /// Order of the colours: `rgb` or `bgr`.
     pub order: ColourOrder,
-    /// `nchw` or `nhwc`.
+    /// `nchw`, `nhwc` or `nvchw`.
     pub layout: Layout,
-    /// What its numbers are: `nearness`, `distance` or `farness`.
+    /// White as the net wants it, before mean and deviation: 1, or 255.
+    pub value_scale: f32,
+    /// Its shorter side, in pixels, where that and not `working_long_side` says how large the picture is; 0 = it does not.
+    pub short_side: u32,
+    /// What its numbers are.
     pub output: RelativeOutput,
+    /// Name of the output with the map; empty for the first.
+    pub output_name: String,
+    /// Name of the output that is large where the picture shows sky; empty where there is none.
+    pub sky_output: String,
+    /// Name of the output with the focal length in pixels of its input; empty where there is none.
+    pub focal_output: String,
+    /// Inputs other than the picture, each with the number that it is given.
+    pub extra_inputs: BTreeMap<String, f64>,
+}
+
+impl RelativeRules {
+    /// Outputs in the order map, sky, focal length, as far as there are such, and the other inputs.
+    pub fn wiring(&self) -> Wiring {
+        let names = [&self.output_name, &self.sky_output, &self.focal_output];
+        let outputs = names.into_iter().filter(|name| !name.is_empty()).cloned().collect();
+        Wiring { outputs, numbers: self.extra_inputs.clone() }
+    }
 }
 
 impl Default for RelativeRules {
@@ -94,13 +118,19 @@ impl Default for RelativeRules {
             std: [1.0; 3],
             order: ColourOrder::Rgb,
             layout: Layout::Nchw,
+            value_scale: 1.0,
+            short_side: 0,
             output: RelativeOutput::Nearness,
+            output_name: String::new(),
+            sky_output: String::new(),
+            focal_output: String::new(),
+            extra_inputs: BTreeMap::new(),
         }
     }
 }
 
 /// Order of the colour channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColourOrder {
     /// Red first.
@@ -110,18 +140,20 @@ pub enum ColourOrder {
 }
 
 /// Order of the input's axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Layout {
     /// `[1, 3, H, W]`.
     Nchw,
     /// `[1, H, W, 3]`.
     Nhwc,
+    /// `[1, 1, 3, H, W]`: one of several views.
+    Nvchw,
 }
 
 /// What a relative-depth net's numbers are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RelativeOutput {
     /// Inverse depth up to scale and shift: larger is nearer.
     Nearness,
@@ -129,22 +161,41 @@ pub enum RelativeOutput {
     Distance,
     /// Depth up to scale and shift: larger is farther.
     Farness,
+    /// Logarithm of inverse depth: larger is nearer.
+    LogNearness,
+    /// Distance in metres, 0 at the camera.
+    Metres,
+    /// Points in space, `[H, W, 3]`: the third coordinate is the distance, up to scale.
+    Points,
 }
 
 impl RelativeOutput {
+    /// Whether its numbers are larger where the picture is nearer.
+    pub(super) fn grows_nearer(self) -> bool {
+        matches!(self, Self::Nearness | Self::LogNearness)
+    }
+
+    /// All numbers of a map as inverse depth, up to scale and shift.
+    pub(super) fn nearness_of(self, values: &[f32]) -> Vec<f32> {
+        let greatest = values.iter().copied().fold(0.0, f32::max);
+        values.iter().map(|value| self.nearness(*value, greatest)).collect()
+    }
+
     /// A number of the net as inverse depth, up to scale and shift; `greatest` is the largest number of its map.
     pub(super) fn nearness(self, value: f32, greatest: f32) -> f32 {
         match self {
             Self::Nearness => value,
+            // What a net answers is finite, and its exponential has to be too.
+            Self::LogNearness => value.clamp(-40.0, 40.0).exp(),
             // Nothing is nearer than a thousandth of the farthest: the numbers of a net reach 0 by mistake.
-            Self::Distance => 1.0 / value.max(greatest / 1000.0).max(f32::MIN_POSITIVE),
+            Self::Distance | Self::Metres | Self::Points => 1.0 / value.max(greatest / 1000.0).max(f32::MIN_POSITIVE),
             Self::Farness => -value,
         }
     }
 }
 
 /// A model's manifest.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Manifest {
     /// Name of the model and of its folder.
     pub id: String,
@@ -154,6 +205,9 @@ pub struct Manifest {
     pub file: String,
     /// Checksum of that file, 64 hexadecimal digits.
     pub sha256: String,
+    /// Further files with weights, in the same folder, each with its checksum.
+    #[serde(default)]
+    pub data_files: BTreeMap<String, String>,
     /// Licence of the weights.
     #[serde(default)]
     pub licence: String,
@@ -174,7 +228,7 @@ pub struct Manifest {
     pub multiple_of: u32,
     /// Least and greatest disparity it can say, pixels per view step at its own width. Of a relative-depth model: what
     /// its far and its near end become, by default [`RelativeDepth::usual_range_px`](crate::field::RelativeDepth::usual_range_px).
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disparity_range_px: Option<[f32; 2]>,
     /// Where the maps of the other views come from.
     #[serde(default)]
@@ -200,7 +254,33 @@ fn default_multiple() -> u32 {
     1
 }
 
+impl Default for Manifest {
+    fn default() -> Self {
+        Self {
+            id: String::new(),
+            task: Task::RelativeDepth,
+            file: String::new(),
+            sha256: String::new(),
+            data_files: BTreeMap::new(),
+            licence: String::new(),
+            training_data: Vec::new(),
+            views: paper_views(),
+            inputs: only_rgb(),
+            working_long_side: default_long_sides(),
+            multiple_of: default_multiple(),
+            disparity_range_px: None,
+            ray_depths: RayDepthsFrom::default(),
+            relative: RelativeRules::default(),
+        }
+    }
+}
+
 impl Manifest {
+    /// As it stands in its file.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_default()
+    }
+
     /// Reads and checks a manifest. `place` is named in errors.
     pub fn parse(text: &str, place: &str) -> Result<Self, ModelError> {
         let bad = |why: String| ModelError::Manifest { place: place.to_owned(), why };
@@ -235,6 +315,7 @@ impl Manifest {
         let faults = [
             (!plain(&self.id), "id must be a plain folder name"),
             (!plain(&self.file), "file must be a plain file name"),
+            (!self.data_files.keys().all(|name| plain(name)), "data_files must be plain file names"),
             (self.sha256.len() != 64, "sha256 must have 64 hexadecimal digits"),
             (self.inputs.is_empty(), "inputs must name at least one of rgb, yx"),
             (sides.is_empty(), "working_long_side must name at least one size"),
@@ -246,6 +327,18 @@ impl Manifest {
             (
                 rules.input_size != [0, 0] && rules.input_size.iter().any(|side| !(16..=8192).contains(side)),
                 "relative.input_size must be [width, height] of 16 to 8192 pixels, or [0, 0] for any size",
+            ),
+            (
+                rules.short_side != 0 && !(16..=8192).contains(&rules.short_side),
+                "relative.short_side must be 16 to 8192 pixels, or 0",
+            ),
+            (
+                !(rules.value_scale > 0.0 && rules.value_scale.is_finite()),
+                "relative.value_scale must be what white is: 1 or 255",
+            ),
+            (
+                rules.output_name.is_empty() && !(rules.sky_output.is_empty() && rules.focal_output.is_empty()),
+                "relative.output_name must name the map beside sky_output and focal_output",
             ),
         ];
         match faults.iter().find(|(wrong, _)| *wrong) {
@@ -283,6 +376,11 @@ mod tests {
             ("[relative]\ninput_size = [0, 384]", "input_size"),
             ("[relative]\norder = \"grb\"", "grb"),
             ("[relative]\nmeen = [0, 0, 0]", "meen"),
+            ("[relative]\nshort_side = 3", "short_side"),
+            ("[relative]\nvalue_scale = 0", "value_scale"),
+            ("[relative]\nsky_output = \"sky\"", "output_name"),
+            ("[relative]\noutput = \"depth\"", "depth"),
+            ("[data_files]\n\"../x\" = \"0\"", "data_files"),
         ] {
             let error = with(line).unwrap_err().to_string();
             assert!(error.contains(word), "{error} should name {word}");

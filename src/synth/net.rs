@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::tract::{EngineError, Options, Output, Runnable, prepare};
+use super::tract::{EngineError, OnnxFile, Options, Output, Runnable, Wiring, prepare_file};
 use super::{Manifest, ModelError, ModelFile, SynthError};
 use crate::job::{Cancel, Cancelled};
 use crate::kernel::winograd::VolumeChain;
@@ -17,6 +17,7 @@ const TRIAL_SIDE: usize = 16;
 /// A checked model and the shapes it is ready for.
 pub(super) struct Net {
     file: ModelFile,
+    wiring: Wiring,
     /// The net for every size, where it is that simple.
     chain: Option<VolumeChain>,
     warm: Mutex<Vec<(usize, Runnable)>>,
@@ -32,7 +33,7 @@ impl Net {
         let mut net = Self::unchecked(file);
         let side = TRIAL_SIDE.max(net.manifest().multiple_of as usize);
         let options = Options { threads: 1, ..Options::default() };
-        let trial = prepare(&net.file.onnx, &input(side, side), &options).map_err(|error| net.engine(error))?;
+        let trial = prepare_file(&net.onnx(), &input(side, side), &options).map_err(|error| net.engine(error))?;
         let (got, want) = (trial.output_shape(), output(side, side));
         if got != want {
             return Err(net.shape(got, &want));
@@ -43,22 +44,14 @@ impl Net {
 
     /// Takes a model whose answer is looked at only when it comes.
     pub(super) fn unchecked(file: ModelFile) -> Self {
-        Self { file, chain: None, warm: Mutex::default() }
+        let wiring = file.manifest.relative.wiring();
+        Self { file, wiring, chain: None, warm: Mutex::default() }
     }
 
-    /// Width and height of an answer that is one map: its axes that are longer than 1, or the last two.
-    pub(super) fn map_size(&self, output: &Output) -> Result<[usize; 2], ModelError> {
-        let shape = output.shape();
-        match shape.iter().copied().filter(|n| *n > 1).collect::<Vec<_>>()[..] {
-            [h, w] => Ok([w, h]),
-            _ if shape.len() >= 2 && output.len() == shape[shape.len() - 2] * shape[shape.len() - 1] => {
-                Ok([shape[shape.len() - 1], shape[shape.len() - 2]])
-            }
-            _ => {
-                let (id, place) = (self.manifest().id.clone(), self.file.place.clone());
-                Err(ModelError::NoMap { id, place, got: format!("{shape:?}") })
-            }
-        }
+    /// What is said of an answer that is not one map.
+    pub(super) fn no_map(&self, output: &Output) -> ModelError {
+        let (id, place) = (self.manifest().id.clone(), self.file.place.clone());
+        ModelError::NoMap { id, place, got: format!("{:?}", output.shape()) }
     }
 
     /// The net for pictures of any size, if it is nothing but a chain of convolutions over views.
@@ -71,7 +64,7 @@ impl Net {
         &self.file.manifest
     }
 
-    /// Runs it on the row-major values of an input of this shape.
+    /// Runs it on the row-major values of an input of this shape; answers its first output.
     ///
     /// # Errors
     /// Cancelled; a shape that the model does not take; an answer that is not finite.
@@ -82,11 +75,29 @@ impl Net {
         threads: usize,
         cancel: &Cancel,
     ) -> Result<Output, SynthError> {
-        let output = self.ready(shape, threads)?.run(input, cancel).map_err(|error| self.synth(error))?;
-        if output.iter().all(|value| value.is_finite()) {
-            return Ok(output);
+        Ok(self.run_all(shape, input, threads, cancel)?.swap_remove(0))
+    }
+
+    /// The same with all outputs that the manifest names: map, sky, focal length.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub(super) fn run_all(
+        &self,
+        shape: &[usize],
+        input: &[f32],
+        threads: usize,
+        cancel: &Cancel,
+    ) -> Result<Vec<Output>, SynthError> {
+        let outputs = self.ready(shape, threads)?.run_all(input, cancel).map_err(|error| self.synth(error))?;
+        if outputs.first().is_some_and(|map| map.iter().all(|value| value.is_finite())) {
+            return Ok(outputs);
         }
         Err(ModelError::NotFinite { id: self.manifest().id.clone(), place: self.file.place.clone() }.into())
+    }
+
+    fn onnx(&self) -> OnnxFile<'_> {
+        OnnxFile { bytes: &self.file.onnx, folder: self.file.folder.as_deref(), wiring: &self.wiring }
     }
 
     fn ready(&self, shape: &[usize], threads: usize) -> Result<Runnable, SynthError> {
@@ -99,7 +110,7 @@ impl Net {
         let gone = (warm.len() + 1).saturating_sub(kept);
         warm.drain(..gone);
         let options = Options { threads, ..Options::default() };
-        let net = prepare(&self.file.onnx, shape, &options).map_err(|error| self.synth(error))?;
+        let net = prepare_file(&self.onnx(), shape, &options).map_err(|error| self.synth(error))?;
         warm.push((threads, net.clone()));
         Ok(net)
     }

@@ -3,6 +3,7 @@
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
 use super::range::Estimate;
+use super::tract::Output;
 use super::{ColourOrder, Layout, Manifest, ModelFile, RelativeOutput, SynthError, SynthParams, upsample};
 use crate::field::{DisparityMap, FieldError, Photo, RelativeDepth, Size, View, sides};
 use crate::job::Job;
@@ -33,14 +34,10 @@ impl RelativeNet {
         let manifest = self.net.manifest();
         let size = working_size(manifest, photo.size());
         let input = relative_input(manifest, &Signed::of_photo(photo, size, job)?);
-        let [w, h] = sides(size);
-        let shape = match manifest.relative.layout {
-            Layout::Nchw => [1, 3, h, w],
-            Layout::Nhwc => [1, h, w, 3],
-        };
-        let output = self.net.run(&shape, &input, params.threads, job.cancel)?;
-        let [w, h] = self.net.map_size(&output)?;
-        let map = estimate_of(manifest.relative.output, [w as u32, h as u32], &output)?;
+        let outputs = self.net.run_all(&input_shape(manifest, size), &input, params.threads, job.cancel)?;
+        let kind = manifest.relative.output;
+        let ([w, h], values) = map_of(&outputs[0], kind).ok_or_else(|| self.net.no_map(&outputs[0]))?;
+        let map = estimate_of(kind, [w as u32, h as u32], &values)?;
         let map = map.disparity(&params.camera, manifest.disparity_range_px)?;
         upsample::to_guide(&map, reference, job)
     }
@@ -55,26 +52,68 @@ fn estimate_of(output: RelativeOutput, size: Size, values: &[f32]) -> Result<Est
 }
 
 /// The input's size: fixed by the manifest, or the photo's shape at the working long side.
-fn working_size(manifest: &Manifest, photo: Size) -> Size {
+pub(super) fn working_size(manifest: &Manifest, photo: Size) -> Size {
     let fixed = manifest.relative.input_size;
     if fixed.iter().all(|side| *side > 0) {
         return fixed;
     }
-    let side = manifest.working_long_side.as_slice()[0];
+    let side = match manifest.relative.short_side {
+        0 => manifest.working_long_side.as_slice()[0],
+        short => long_side(photo, short),
+    };
     size_in_steps(photo, side, manifest.multiple_of)
 }
 
+/// How much longer than its shorter side a picture may be to a net: panoramas are seen smaller.
+const LONGEST: f32 = 3.0;
+
+/// The long side at which a photo has this short side.
+fn long_side([w, h]: Size, short: u32) -> u32 {
+    let shape = (w.max(h) as f32 / w.min(h).max(1) as f32).min(LONGEST);
+    (short as f32 * shape).round() as u32
+}
+
 /// Colours in 0 … 1 in the order of the manifest, less its mean, over its deviation, in its layout.
-fn relative_input(manifest: &Manifest, photo: &Signed) -> Vec<f32> {
+pub(super) fn relative_input(manifest: &Manifest, photo: &Signed) -> Vec<f32> {
     let rules = &manifest.relative;
     let value = |pixel: &glam::Vec4, c: usize| {
         let source = if rules.order == ColourOrder::Bgr { 2 - c } else { c };
-        ((pixel[source] + 1.0) / 2.0 - rules.mean[c]) / rules.std[c]
+        ((pixel[source] + 1.0) / 2.0 * rules.value_scale - rules.mean[c]) / rules.std[c]
     };
     match rules.layout {
-        Layout::Nchw => (0..3).flat_map(|c| photo.pixels().iter().map(move |pixel| value(pixel, c))).collect(),
+        Layout::Nchw | Layout::Nvchw => {
+            (0..3).flat_map(|c| photo.pixels().iter().map(move |pixel| value(pixel, c))).collect()
+        }
         Layout::Nhwc => photo.pixels().iter().flat_map(|pixel| (0..3).map(move |c| value(pixel, c))).collect(),
     }
+}
+
+/// The shape of a picture of this size, as the manifest's layout has it.
+pub(super) fn input_shape(manifest: &Manifest, size: Size) -> Vec<usize> {
+    let [w, h] = sides(size);
+    match manifest.relative.layout {
+        Layout::Nchw => vec![1, 3, h, w],
+        Layout::Nhwc => vec![1, h, w, 3],
+        Layout::Nvchw => vec![1, 1, 3, h, w],
+    }
+}
+
+/// Width, height and values of an answer that is one map: its axes that are longer than 1, or the last two; of points
+/// their third coordinate. None where it is more.
+pub(super) fn map_of(output: &Output, kind: RelativeOutput) -> Option<([usize; 2], Vec<f32>)> {
+    let shape = output.shape();
+    if kind == RelativeOutput::Points {
+        let [.., h, w, 3] = *shape else { return None };
+        return (output.len() == h * w * 3).then(|| ([w, h], output.chunks_exact(3).map(|point| point[2]).collect()));
+    }
+    let size = match shape.iter().copied().filter(|n| *n > 1).collect::<Vec<_>>()[..] {
+        [h, w] => [w, h],
+        _ => match *shape {
+            [.., h, w] if output.len() == h * w => [w, h],
+            _ => return None,
+        },
+    };
+    Some((size, output.to_vec()))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Chores that need more than a line of shell: `cargo xtask test`, `cargo xtask bench`.
 
+mod nets;
 mod onnxruntime;
 mod system;
 
@@ -8,7 +9,8 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
-const USAGE: &str = "usage: cargo xtask test [ARG…]    all tests, tract against ONNX Runtime among them
+const USAGE: &str = "usage: cargo xtask test [--all] [ARG…]   all tests, tract against ONNX Runtime among them; --all
+                                  also exports depth nets with PyTorch (gigabytes) and compares those
        cargo xtask bench [ARG…]   plenoscope bench with ONNX Runtime beside it
        cargo xtask onnxruntime    fetches ONNX Runtime and prints where it is
 
@@ -37,7 +39,11 @@ fn main() -> ExitCode {
 fn test(args: &[String]) -> Result<()> {
     let root = root();
     system::ensure()?;
+    let (all, args): (Vec<&String>, Vec<&String>) = args.iter().partition(|arg| *arg == "--all");
     let mut cargo = Command::new(env!("CARGO"));
+    if !all.is_empty() {
+        cargo.env("PLENOSCOPE_NETS", nets::folder(&root)?);
+    }
     cargo.current_dir(&root).args(["test", "--workspace", "--no-fail-fast"]);
     match onnxruntime::library(&root) {
         Ok(path) => {

@@ -152,6 +152,7 @@ unsafe fn compute<V: Vector, const M: usize, const N: usize>(tile: &Tile, row: u
         // The rows are not unrolled here, so what they index lives in memory. The sums themselves must not.
         let mut results = [[V::splat(0.0); N]; M];
         for (results, sums) in results.iter_mut().zip(&sums) {
+            #[allow(clippy::manual_memcpy, reason = "a copy by memory would take the sums out of their registers")]
             for n in 0..N {
                 results[n] = sums[n];
             }

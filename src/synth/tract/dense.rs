@@ -63,7 +63,9 @@ fn rule(
         let order = if role == Role::Depth { 0 } else { 2 };
         roles::offsets(&roles::of(&all, role, order), 1, &strides)
     });
-    let values = weights.try_as_plain_ram()?.as_slice::<f32>()?;
+    // Weights of 4 bits are unpacked by tract as it multiplies.
+    let Ok(values) = weights.try_as_plain_ram() else { return Ok(None) };
+    let values = values.as_slice::<f32>()?;
     let weights = pack(*isa, layout, at, values, &tail.scale);
     let product = Product { isa: *isa, weights, bias: tail.bias.into(), activation: tail.activation, shape };
     let mut patch = TypedModelPatch::default();

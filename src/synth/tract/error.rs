@@ -18,6 +18,46 @@ pub enum EngineError {
         /// tract's words.
         detail: String,
     },
+    /// The model has an operation that nobody here knows.
+    #[error(
+        "the model cannot be used — its operation {name} is not supported — take a file of the same net without it, in float32 if there is one"
+    )]
+    Operator {
+        /// Its name, with its domain where it has one.
+        name: String,
+    },
+    /// Weights that lie in another file, which is not there.
+    #[error("the model's weights are not whole — its file {name:?} is not beside it — put it there, named like that")]
+    External {
+        /// Name of the file.
+        name: String,
+    },
+    /// No one input that a picture goes into.
+    #[error(
+        "the model cannot be used — its inputs are {names}, and one picture is what it can be given — take a file with one input, or give the others numbers in its manifest (extra_inputs)"
+    )]
+    Inputs {
+        /// Names of the inputs.
+        names: String,
+    },
+    /// An input that cannot stand for a number.
+    #[error("the model's input {name:?} cannot be given a number — {why} — take it out of extra_inputs")]
+    Input {
+        /// Its name.
+        name: String,
+        /// Why not.
+        why: String,
+    },
+    /// An input or output that the manifest names and the graph has not.
+    #[error("the model has no {what} named {name:?} — it has {known} — correct its manifest")]
+    NoPort {
+        /// `input` or `output`.
+        what: &'static str,
+        /// The name in the manifest.
+        name: String,
+        /// Names in the graph.
+        known: String,
+    },
     /// The model does not take inputs of this shape.
     #[error("the model does not take an input of {shape:?} ({detail}) — check the inputs in its manifest")]
     Shape {

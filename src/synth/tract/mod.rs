@@ -12,6 +12,7 @@ mod chain;
 mod dense;
 mod elu;
 mod error;
+mod graph;
 mod layer_norm;
 mod op;
 mod options;
@@ -23,6 +24,7 @@ mod rewrite;
 mod roles;
 mod tail;
 mod threads;
+mod typed;
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -34,6 +36,9 @@ use tract_onnx::tract_core::ops::OpState;
 use tract_onnx::tract_core::plan;
 
 pub use error::EngineError;
+#[cfg(test)]
+pub(crate) use graph::tests as graph_tests;
+pub use graph::{OnnxFile, Port, Scale, Signs, Wiring, signs};
 pub use options::{Options, Path};
 pub use picture::picture_shape;
 pub use profile::OpSeconds;
@@ -65,6 +70,14 @@ impl Output {
     }
 }
 
+impl Output {
+    fn of(value: TValue) -> TractResult<Self> {
+        let tensor = value.into_arc_tensor();
+        let is_f32 = tensor.datum_type() == f32::datum_type();
+        Ok(Self(if is_f32 { tensor } else { tensor.cast_to::<f32>()?.into_owned().into_arc_tensor() }))
+    }
+}
+
 impl Deref for Output {
     type Target = [f32];
 
@@ -73,33 +86,30 @@ impl Deref for Output {
     }
 }
 
-/// Makes the net in the bytes of an ONNX file ready to run on inputs of `input_shape`.
+/// Makes the net in the bytes of an ONNX file ready to run on inputs of `input_shape`; its first output is answered.
 ///
 /// # Errors
 /// Bytes that are no ONNX model, an operator that is not known, a shape that the net does not take, weights that
 /// are not finite.
 pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
-    // tract takes names that lead nowhere, and other faults of a graph, for its own and panics.
-    let broken = || Err(EngineError::Unsupported { detail: "its graph is damaged".to_owned() });
-    panics::caught(|| prepared(onnx_bytes, input_shape, options)).unwrap_or_else(broken)
+    prepare_file(&OnnxFile::plain(onnx_bytes), input_shape, options)
 }
 
-fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
+/// Makes an ONNX file ready that may have weights beside it, several inputs and several outputs.
+///
+/// # Errors
+/// Those of [`prepare`]; weights, inputs or outputs that are not there.
+pub fn prepare_file(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
+    // tract takes names that lead nowhere, and other faults of a graph, for its own and panics.
+    let broken = || Err(EngineError::Unsupported { detail: "its graph is damaged".to_owned() });
+    panics::caught(|| prepared(file, input_shape, options)).unwrap_or_else(broken)
+}
+
+fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
     let isa = options.path.isa();
     let onnx = if isa.is_some() { elu::onnx() } else { onnx() };
-    let proto = onnx.proto_model_for_read(&mut &onnx_bytes[..]).map_err(EngineError::parse)?;
-    error::check_weights(&proto)?;
-    let fact = f32::fact(input_shape).into();
     let shape_error = |source| EngineError::shape(input_shape, source);
-    let parsed =
-        onnx.with_ignore_output_shapes(true).model_for_proto_model(&proto).map_err(EngineError::unsupported)?;
-    // The model has its own copy of the weights.
-    drop(proto);
-    let mut model = parsed
-        .with_input_fact(0, fact)
-        .and_then(|model| model.into_typed())
-        .and_then(|model| model.into_decluttered())
-        .map_err(shape_error)?;
+    let mut model = typed::model(onnx, file, input_shape)?;
     if let Some(isa) = isa {
         rewrite::rewrite(&mut model, isa).map_err(shape_error)?;
         foreign(&mut model, isa).map_err(shape_error)?;
@@ -107,7 +117,7 @@ fn prepared(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> Resu
             chain::fuse(&mut model).map_err(shape_error)?;
         }
     }
-    let plan = model.into_optimized().and_then(|model| model.into_runnable()).map_err(shape_error)?;
+    let plan = typed::optimised(model).and_then(|model| model.into_runnable()).map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;
     Ok(Runnable { plan, input_shape: input_shape.to_vec(), output_shape, threads: options.threads })
 }
@@ -171,13 +181,21 @@ impl Runnable {
         }
     }
 
-    /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)).
+    /// Runs the net on `input` (row-major values of [`input_shape`](Self::input_shape)); answers the first output.
     ///
     /// `cancel` is looked at before each operation, and between blocks of rows of the kernel's.
     ///
     /// # Errors
     /// [`EngineError::Cancelled`]; [`EngineError::Run`] where the input does not have the length of the shape.
     pub fn run(&self, input: &[f32], cancel: &Cancel) -> Result<Output, EngineError> {
+        Ok(self.run_all(input, cancel)?.swap_remove(0))
+    }
+
+    /// The same with all outputs that the file's wiring names, in that order.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run).
+    pub fn run_all(&self, input: &[f32], cancel: &Cancel) -> Result<Vec<Output>, EngineError> {
         let stop = || if cancel.is_cancelled() { Err(EngineError::Cancelled) } else { Ok(()) };
         stop()?;
         let input = Tensor::from_shape(&self.input_shape, input).map_err(EngineError::run)?;
@@ -189,8 +207,7 @@ impl Runnable {
         let run = || multithread_tract_scope(Executor::RayonGlobal, run);
         let outputs = threads::pool(self.threads)?.install(|| op::with_cancel(cancel, run));
         stop()?;
-        let output = outputs.map_err(EngineError::run)?.remove(0).into_arc_tensor();
-        Ok(Output(output))
+        outputs.and_then(|outputs| outputs.into_iter().map(Output::of).collect()).map_err(EngineError::run)
     }
 }
 

@@ -2,6 +2,8 @@
 
 use crate::scenes::raster::{Raster, Rgb};
 
+pub use plenoscope::field::{correlation, spearman};
+
 /// Mean absolute difference over pixels and channels; in −1 … 1 it is twice that.
 pub fn l1(a: &Rgb, b: &Rgb) -> f32 {
     l1_where(a, b, |_| true).unwrap_or(0.0)
@@ -63,44 +65,6 @@ fn gaussian_11<const N: usize>(raster: &Raster<[f32; N]>) -> Raster<[f32; N]> {
         })
     };
     line(&line(raster, true), false)
-}
-
-/// Pearson correlation; 0 where one of the two does not vary.
-pub fn correlation(pairs: impl Iterator<Item = (f32, f32)> + Clone) -> f32 {
-    let mut mean = (0.0f64, 0.0f64, 0.0f64);
-    for (a, b) in pairs.clone() {
-        mean = (mean.0 + f64::from(a), mean.1 + f64::from(b), mean.2 + 1.0);
-    }
-    let (a0, b0) = (mean.0 / mean.2.max(1.0), mean.1 / mean.2.max(1.0));
-    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        let (a, b) = (f64::from(a) - a0, f64::from(b) - b0);
-        (aa, bb, ab) = (aa + a * a, bb + b * b, ab + a * b);
-    }
-    if aa * bb > 1e-18 { (ab / (aa * bb).sqrt()) as f32 } else { 0.0 }
-}
-
-/// Spearman's rank correlation; equal values share their mean rank.
-pub fn spearman(a: &[f32], b: &[f32]) -> f32 {
-    let (a, b) = (ranks(a), ranks(b));
-    correlation(a.iter().copied().zip(b.iter().copied()))
-}
-
-fn ranks(values: &[f32]) -> Vec<f32> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_unstable_by(|&i, &j| values[i].total_cmp(&values[j]));
-    let mut ranks = vec![0.0; values.len()];
-    let mut start = 0;
-    while start < order.len() {
-        let mut end = start + 1;
-        while end < order.len() && values[order[end]] == values[order[start]] {
-            end += 1;
-        }
-        let mean = (start + end - 1) as f32 / 2.0;
-        order[start..end].iter().for_each(|&i| ranks[i] = mean);
-        start = end;
-    }
-    ranks
 }
 
 /// Correlation after each row's mean is taken out of both: what "lower is nearer" cannot explain.

@@ -1,0 +1,118 @@
+//! The ONNX graph as it stands in the file, before tract sees it: what of it is used, and what older exporters wrote.
+
+mod halves;
+mod mend;
+mod signs;
+mod wiring;
+
+#[cfg(test)]
+pub mod tests;
+
+use std::path::{Component, Path};
+
+use tract_onnx::pb::tensor_proto::DataLocation;
+use tract_onnx::pb::{GraphProto, ModelProto, TensorProto, ValueInfoProto, type_proto, type_proto::Value};
+use tract_onnx::prelude::Framework;
+
+pub use signs::{Port, Scale, Signs};
+pub use wiring::Wiring;
+
+use super::error::{self, EngineError};
+
+/// An ONNX file: its bytes, where its further files lie, and what of it is used.
+#[derive(Clone, Copy, Debug)]
+pub struct OnnxFile<'a> {
+    /// The file.
+    pub bytes: &'a [u8],
+    /// The folder of the files that hold weights of their own; none where there must be none.
+    pub folder: Option<&'a Path>,
+    /// Which outputs are wanted, and what stands for inputs other than the picture.
+    pub wiring: &'a Wiring,
+}
+
+impl<'a> OnnxFile<'a> {
+    /// A file whose first input and output are used, and whose weights are all in it.
+    pub fn plain(bytes: &'a [u8]) -> Self {
+        Self { bytes, folder: None, wiring: const { &Wiring::FIRST } }
+    }
+}
+
+/// Reads a file, checks what can be checked without running it, and brings it into the form that tract knows.
+pub(super) fn read(onnx: &tract_onnx::Onnx, file: &OnnxFile) -> Result<ModelProto, EngineError> {
+    let mut model = decoded(onnx, file.bytes)?;
+    check_externals(&model, file.folder)?;
+    error::check_weights(&model)?;
+    mend::all(&mut model);
+    check_operators(onnx, &model)?;
+    if let Some(graph) = &mut model.graph {
+        halves::widen(graph, file.folder)?;
+        wiring::connect(graph, file.wiring)?;
+    }
+    Ok(model)
+}
+
+/// What a file says of itself: inputs, outputs and the signs that families of nets are told by.
+///
+/// # Errors
+/// No ONNX file.
+pub fn signs(bytes: &[u8]) -> Result<Signs, EngineError> {
+    let model = decoded(&tract_onnx::onnx(), bytes)?;
+    Ok(Signs::of(&model, model.graph.as_ref().unwrap_or(&GraphProto::default())))
+}
+
+fn decoded(onnx: &tract_onnx::Onnx, bytes: &[u8]) -> Result<ModelProto, EngineError> {
+    let model = onnx.proto_model_for_read(&mut &bytes[..]).map_err(EngineError::parse)?;
+    if model.graph.as_ref().is_none_or(|graph| graph.node.is_empty()) {
+        return Err(EngineError::Parse { detail: "it holds no net".to_owned() });
+    }
+    Ok(model)
+}
+
+/// Names of the files beside this one in which weights lie.
+fn externals(model: &ModelProto) -> Vec<&str> {
+    let tensors = model.graph.iter().flat_map(|graph| &graph.initializer);
+    let mut files: Vec<_> = tensors.filter_map(location).collect();
+    files.sort_unstable();
+    files.dedup();
+    files
+}
+
+/// The file in which a tensor lies, where that is not this one.
+fn location(tensor: &TensorProto) -> Option<&str> {
+    let is_outside = tensor.data_location == Some(DataLocation::External as i32);
+    let entry = || tensor.external_data.iter().find(|entry| entry.key == "location");
+    is_outside.then(|| entry().map_or("", |entry| &entry.value))
+}
+
+/// A net may only name files that lie right beside it.
+fn check_externals(model: &ModelProto, folder: Option<&Path>) -> Result<(), EngineError> {
+    for name in externals(model) {
+        let mut parts = Path::new(name).components();
+        let is_plain = matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None));
+        let is_there = is_plain && folder.is_some_and(|folder| folder.join(name).is_file());
+        if !is_there {
+            return Err(EngineError::External { name: name.to_owned() });
+        }
+    }
+    Ok(())
+}
+
+/// Names the operation that cannot be run, before tract gives up in the middle.
+fn check_operators(onnx: &tract_onnx::Onnx, model: &ModelProto) -> Result<(), EngineError> {
+    let nodes = model.graph.iter().flat_map(|graph| &graph.node);
+    let unknown = nodes.into_iter().find(|node| !onnx.op_register.0.contains_key(&node.op_type));
+    match unknown {
+        Some(node) => Err(EngineError::Operator { name: full_name(&node.domain, &node.op_type) }),
+        None => Ok(()),
+    }
+}
+
+fn full_name(domain: &str, operator: &str) -> String {
+    if domain.is_empty() { operator.to_owned() } else { format!("{domain}.{operator}") }
+}
+
+fn tensor_type(port: &ValueInfoProto) -> Option<&type_proto::Tensor> {
+    match port.r#type.as_ref()?.value.as_ref()? {
+        Value::TensorType(tensor) => Some(tensor),
+    }
+}
