@@ -77,6 +77,8 @@ pub enum Command {
     Bench(Bench),
     /// What a file is: format, size, views, depth that came with it
     Info(Info),
+    /// Depth nets of other people: add, list, remove, use
+    Models(Models),
     /// Write the built-in sample photo and its disparity
     Sample(Sample),
     /// Print the completions for a shell
@@ -102,6 +104,49 @@ pub struct Info {
     pub json: bool,
 }
 
+/// Arguments of `models`.
+#[derive(Debug, Args)]
+pub struct Models {
+    #[command(subcommand)]
+    pub what: ModelsCommand,
+}
+
+/// What to do with depth nets.
+#[derive(Debug, Subcommand)]
+pub enum ModelsCommand {
+    /// Try an ONNX file on the sample photo, whose depth is known, and keep it as a source of ray depths
+    Add {
+        /// The net; files with weights of its own are taken from beside it
+        #[arg(value_name = "FILE.onnx")]
+        file: PathBuf,
+        /// Its name, as --source takes it; by default the file's
+        #[arg(long, value_name = "NAME")]
+        name: Option<String>,
+        /// Take it even if it does not find the sample's depth, and in place of one of that name
+        #[arg(long)]
+        force: bool,
+        /// Also write what it says of the sample as a picture
+        #[arg(long, value_name = "FILE.png")]
+        depth: Option<PathBuf>,
+    },
+    /// Show the nets there are
+    List {
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+    /// Take a net away
+    Remove {
+        /// Its name
+        name: String,
+    },
+    /// Use a net for all photos that have no depth of their own; "network" is the program's own again
+    Use {
+        /// Its name
+        name: String,
+    },
+}
+
 /// Arguments of `sample`.
 #[derive(Debug, Args)]
 pub struct Sample {
@@ -120,8 +165,9 @@ pub struct SynthArgs {
     /// Use this ray depth for the reference view instead of a net's (PFM, pixels per view step at its own width)
     #[arg(long, value_name = "FILE.pfm")]
     pub disparity: Option<PathBuf>,
-    /// Where the ray depth comes from: network, phone, fused, or the name of a depth net (such as paper-flowers)
-    #[arg(long, value_name = "SOURCE", default_value = "network", conflicts_with = "disparity")]
+    /// Where the ray depth comes from: auto (the phone's depth, else the net of `models use`, else our own), network,
+    /// phone, fused, or the name of a depth net (such as paper-flowers)
+    #[arg(long, value_name = "SOURCE", default_value = "auto", conflicts_with = "disparity")]
     pub source: String,
     /// Take the nets from this folder instead of those in the program
     #[arg(long, value_name = "DIR")]

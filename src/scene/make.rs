@@ -12,6 +12,7 @@ use crate::field::{DisparityMap, Photo, fit_long_side};
 use crate::io::exif;
 use crate::io::formats::depth_map::GivenDepth;
 use crate::job::Job;
+use crate::synth::adopt::Shelf;
 use crate::synth::cache::Cache;
 use crate::synth::range::{self, Camera};
 use crate::synth::{
@@ -25,8 +26,10 @@ const TELLS: f32 = 0.5;
 /// Where ray depths come from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DepthFrom {
-    /// The depth net.
+    /// The best there is for the photo: what the phone measured, else the net that the person prefers, else the depth net.
     #[default]
+    Auto,
+    /// The depth net.
     Network,
     /// What the phone measured.
     Phone,
@@ -42,6 +45,7 @@ impl DepthFrom {
     /// The source that a name on the command line stands for.
     pub fn named(name: &str) -> Self {
         match name {
+            "auto" => Self::Auto,
             "network" => Self::Network,
             "phone" => Self::Phone,
             "fused" => Self::Fused,
@@ -54,7 +58,7 @@ impl DepthFrom {
     #[must_use]
     pub fn lasting(self) -> Self {
         match self {
-            Self::Map | Self::Model(_) => Self::Network,
+            Self::Map | Self::Model(_) => Self::Auto,
             source => source,
         }
     }
@@ -73,6 +77,8 @@ pub struct Making {
     pub source: DepthFrom,
     /// Where the nets come from.
     pub models: ModelSource,
+    /// The nets that the person added.
+    pub shelf: Option<Shelf>,
 }
 
 impl Making {
@@ -86,12 +92,30 @@ impl Making {
             Content::Views(recorded) => recorded.shown.size(),
         }
     }
+
+    /// The source that [`DepthFrom::Auto`] is for a photo: measured depth before a chosen net before our own.
+    pub fn source_of(&self, one: &OnePhoto) -> DepthFrom {
+        match &self.source {
+            DepthFrom::Auto => one.best_source(self.shelf.as_ref().and_then(Shelf::preferred)),
+            source => source.clone(),
+        }
+    }
 }
 
 impl Default for Making {
     fn default() -> Self {
         let (source, models) = (DepthFrom::default(), ModelSource::default());
-        Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models }
+        Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models, shelf: None }
+    }
+}
+
+impl OnePhoto {
+    /// Measured depth before the net that the person prefers before our own.
+    pub fn best_source(&self, preferred: Option<String>) -> DepthFrom {
+        match self.phone {
+            Some(_) => DepthFrom::Phone,
+            None => preferred.map_or(DepthFrom::Network, DepthFrom::Model),
+        }
     }
 }
 
@@ -108,8 +132,11 @@ pub enum Need {
 #[derive(Default)]
 pub struct Maker {
     cache: Option<Cache>,
-    nets: Mutex<Option<(ModelSource, Arc<Synthesizer>)>>,
+    nets: Mutex<Option<(Sources, Arc<Synthesizer>)>>,
 }
+
+/// Where nets come from: the program or a folder, and the person's shelf.
+type Sources = (ModelSource, Option<Shelf>);
 
 impl Maker {
     /// With a cache of light fields, or without. Nothing is loaded before the first photo.
@@ -140,6 +167,7 @@ impl Maker {
         need: Need,
         job: &Job,
     ) -> Result<Scene, SceneError> {
+        let how = &Making { source: self.source_of(one, how, job), ..how.clone() };
         let params = params(one, how, job);
         let given = params.disparity.clone();
         if let Some(map) = given.as_ref().filter(|_| need == Need::Map) {
@@ -149,7 +177,7 @@ impl Maker {
             let made = synthesize_from_map(&one.photo, map, &params, job)?;
             return Scene::of_views(subject, given, made.into(), MadeBy::named(OWN_MAP));
         }
-        let nets = match self.nets(&how.models) {
+        let nets = match self.nets(how) {
             Ok(nets) => nets,
             Err(error) => return without_nets(subject, one, &params, need, error, job),
         };
@@ -160,6 +188,19 @@ impl Maker {
         }
         let made = nets.synthesize_cached(&one.photo, &params, self.cache.as_ref(), job)?;
         Scene::of_views(subject, given, made.into(), made_by)
+    }
+
+    /// What a photo's depth is made from. A preferred net that cannot be used is told of, and our own takes its place.
+    fn source_of(&self, one: &OnePhoto, how: &Making, job: &Job) -> DepthFrom {
+        let source = how.source_of(one);
+        let (DepthFrom::Auto, DepthFrom::Model(name)) = (&how.source, &source) else { return source };
+        match self.nets(how).map(|nets| nets.check(name)) {
+            Ok(Err(error)) => {
+                job.sink.warning(format!("{error} — the program's own net is used"));
+                DepthFrom::Network
+            }
+            _ => source,
+        }
     }
 
     /// A recorded light field: its own ray depths, those of its reference view lifted, or measured from its views.
@@ -186,7 +227,7 @@ impl Maker {
 
     /// Colours cannot tell near from far (see [`Layout`](crate::io::formats::layout::Layout)); the depth net has a guess.
     fn doubt_sign(&self, recorded: &Recorded, measured: &DisparityMap, how: &Making, job: &Job) {
-        let Ok(nets) = self.nets(&how.models) else { return };
+        let Ok(nets) = self.nets(how) else { return };
         let params = SynthParams { threads: how.threads, ..SynthParams::default() };
         let Ok(guess) = nets.working_scale_depth(recorded.shown.reference(), &params, job) else { return };
         if fuse::agreement(&guess, measured) < -TELLS {
@@ -198,14 +239,20 @@ impl Maker {
     }
 
     /// The nets of a source, loaded once.
-    fn nets(&self, models: &ModelSource) -> Result<Arc<Synthesizer>, SceneError> {
+    fn nets(&self, how: &Making) -> Result<Arc<Synthesizer>, SceneError> {
         let mut kept = self.nets.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, nets)) = kept.as_ref().filter(|(have, _)| have == models) {
+        let wanted = (how.models.clone(), how.shelf.clone());
+        if let Some((_, nets)) = kept.as_ref().filter(|(have, _)| *have == wanted) {
             return Ok(Arc::clone(nets));
         }
-        let nets = Arc::new(Synthesizer::load(models)?);
-        *kept = Some((models.clone(), Arc::clone(&nets)));
+        let nets = Arc::new(Synthesizer::load(&how.models)?.with_shelf(how.shelf.as_ref()));
+        *kept = Some((wanted, Arc::clone(&nets)));
         Ok(nets)
+    }
+
+    /// Forgets the nets, for when one of them was added, replaced or removed.
+    pub fn forget_nets(&self) {
+        *self.nets.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     /// Where the cache's entries lie, if there is a cache.
@@ -255,7 +302,7 @@ fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
             return SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(map)), ..base };
         }
         (DepthFrom::Model(id), _) => return SynthParams { source: DepthSource::Model(id.clone()), ..base },
-        (DepthFrom::Network, _) => {}
+        (DepthFrom::Auto | DepthFrom::Network, _) => {}
     }
     base
 }

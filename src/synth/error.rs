@@ -81,7 +81,7 @@ pub enum ModelError {
     },
     /// A source of ray depth that nobody knows.
     #[error(
-        "there is no ray depth from {name:?} — known are {known} — name one of them, or put the model into the folder of --models"
+        "there is no ray depth from {name:?} — known are {known} — name one of them, or add the net with `plenoscope models add FILE.onnx`"
     )]
     NoSource {
         /// The name that was asked for.

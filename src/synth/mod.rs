@@ -8,6 +8,7 @@
 //! [`Synthesizer`] knows the order; every other file does one arrow. Models come from a [`ModelSource`] and say what
 //! they are in a [`Manifest`]; only `tract` runs them.
 
+pub mod adopt;
 pub mod cache;
 mod cached;
 mod depth;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::adopt::Shelf;
 use super::depth::{DepthNet, NetDepths};
 use super::far_side::FarSide;
 use super::occlusion::OcclusionNet;
@@ -28,7 +29,8 @@ pub(super) type Made = (Arc<LightField>, Arc<RayDepths>);
 
 /// Makes light fields from photos. Keeps its nets warm between photos of one size.
 pub struct Synthesizer {
-    source: ModelSource,
+    /// Where further models are looked for, in this order.
+    sources: Vec<ModelSource>,
     depth: DepthNet,
     occlusion: Option<OcclusionNet>,
     /// The further model that was asked for last, by its name.
@@ -63,7 +65,14 @@ impl Synthesizer {
             Some(id) => Some(OcclusionNet::load(pair.model(id, Task::Occlusion)?, depth.grid())?),
             None => None,
         };
-        Ok(Self { source: source.clone(), depth, occlusion, further: Mutex::default() })
+        Ok(Self { sources: vec![source.clone()], depth, occlusion, further: Mutex::default() })
+    }
+
+    /// With the nets that a person added beside those of the source.
+    #[must_use]
+    pub fn with_shelf(mut self, shelf: Option<&Shelf>) -> Self {
+        self.sources.extend(shelf.map(Shelf::source));
+        self
     }
 
     /// Rows and columns of the views that it makes.
@@ -192,7 +201,8 @@ impl Synthesizer {
         if let Some((_, net)) = kept.as_ref().filter(|(name, _)| name == id) {
             return Ok(Arc::clone(net));
         }
-        let file = self.source.further_model(id)?;
+        let file = self.sources.iter().find_map(|source| source.further_model(id));
+        let file = file.unwrap_or_else(|| Err(self.no_source(id)))?;
         let net = match file.manifest.task {
             Task::RayDepth => {
                 file.check_grid(self.grid())?;
@@ -203,6 +213,22 @@ impl Synthesizer {
         let net = Arc::new(net);
         *kept = Some((id.to_owned(), Arc::clone(&net)));
         Ok(net)
+    }
+}
+
+impl Synthesizer {
+    /// Whether a further model can be used.
+    ///
+    /// # Errors
+    /// There is none of that name, or what is wrong with it.
+    pub fn check(&self, id: &str) -> Result<(), ModelError> {
+        self.further(id).map(|_| ())
+    }
+
+    fn no_source(&self, id: &str) -> ModelError {
+        let further = self.sources.iter().flat_map(ModelSource::further_models);
+        let known: Vec<_> = ["network", "phone", "fused"].map(str::to_owned).into_iter().chain(further).collect();
+        ModelError::NoSource { name: id.to_owned(), known: known.join(", ") }
     }
 }
 

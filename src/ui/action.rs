@@ -1,5 +1,6 @@
 //! What panels, dialogs and keys ask for; `apply` does it, and nothing else does.
 
+use super::adding::Change;
 use std::path::PathBuf;
 
 use super::ask::Ask;
@@ -37,6 +38,8 @@ pub enum Action {
     TakeMap(GivenDepth),
     /// Takes the nets from a folder.
     UseModels(PathBuf),
+    /// Adds a depth net, takes one away, or uses one for all photos.
+    ChangeNets(Change),
     /// Makes the light field anew, after a setting changed.
     MakeAgain,
     /// Starts the export that the dialog describes: of these photos, or of what is open where there are none.

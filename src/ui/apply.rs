@@ -1,5 +1,7 @@
 //! The one place where actions change the window: one arm for each action, and for each command of the menu.
 
+use super::adding::{self, Change};
+use super::progress::Running;
 use std::path::{Path, PathBuf};
 
 use egui::{Context, ViewportCommand};
@@ -53,6 +55,7 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
             window.settings.models_folder = Some(folder);
             window.make_again();
         }
+        Action::ChangeNets(what) => change_nets(window, what),
         Action::MakeAgain => window.make_again(),
         Action::StartExport(photos) => start_export(window, photos),
         Action::StopTask(job) => {
@@ -60,6 +63,18 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
                 window.queue.end(job, State::Stopped);
             }
         }
+    }
+}
+
+/// Trying a net takes seconds and is shown; what else is done with nets is done at once.
+fn change_nets(window: &mut Window, what: Change) {
+    if matches!(&what, Change::Remove(name) if window.settings.source == DepthFrom::Model(name.clone())) {
+        window.settings.source = DepthFrom::Auto;
+    }
+    let is_added = matches!(what, Change::Add(_));
+    let job = window.workers.adder.push(adding::Request { what, making: window.making() });
+    if is_added {
+        window.adding = Some(Running::new(job));
     }
 }
 
@@ -214,6 +229,8 @@ fn lay_out(window: &mut Window, change: impl Fn(Layout) -> Layout) {
 fn stop(window: &mut Window, ctx: &Context) {
     if window.loading.running().is_some() {
         window.workers.loader.stop();
+    } else if window.adding.is_some() {
+        window.workers.adder.stop();
     } else if let Some(job) = window.queue.current().map(|task| task.job) {
         apply(window, Action::StopTask(job), ctx);
     }

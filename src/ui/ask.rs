@@ -37,6 +37,8 @@ pub enum Ask {
     ReadDepthMap(PathBuf),
     /// A folder of models.
     Models,
+    /// A depth net.
+    Net,
     /// A picture, a path or an edit in the clipboard.
     Clipboard,
     /// An edit in the clipboard.
@@ -54,6 +56,8 @@ pub enum PathFor {
     DepthMap,
     /// A folder of models.
     Models,
+    /// A depth net.
+    Net,
 }
 
 /// Where a dialog led.
@@ -76,6 +80,8 @@ pub enum Picked {
     },
     /// A folder of models.
     Models(PathBuf),
+    /// A depth net to add.
+    Net(PathBuf),
     /// A picture from the clipboard, `[y, x, 4]`.
     Pixels([u32; 2], Vec<u8>),
     /// An edit from the clipboard.

@@ -35,8 +35,15 @@ pub enum Event {
     Peaks(Peaks),
     /// A small picture of a recent file.
     Thumbnail(PathBuf, Arc<egui::ColorImage>),
-    /// Further models that ray depths can come from, by name.
-    Models(Vec<String>),
+    /// Further depth nets that ray depths can come from.
+    Models(Vec<Listed>),
+    /// A depth net was added.
+    Added {
+        /// Its name.
+        name: String,
+        /// What a person reads of it.
+        text: String,
+    },
     /// The file was there already and was left as it is.
     Skipped(PathBuf),
     /// A picture for the clipboard.
@@ -49,4 +56,17 @@ pub enum Event {
     Stopped,
     /// The job failed; the sentence says what, why and what to do.
     Failed(String),
+}
+
+/// A depth net in the menu.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listed {
+    /// Its name.
+    pub name: String,
+    /// Why it cannot be used.
+    pub fault: Option<String>,
+    /// Whether it is used for all photos without depth of their own.
+    pub is_preferred: bool,
+    /// Whether the person added it, and may remove it.
+    pub is_added: bool,
 }

@@ -1,5 +1,7 @@
 //! What the threads have sent: taken in between two frames, never waited for.
 
+use super::adding::Change;
+use crate::scene::DepthFrom;
 use std::sync::Arc;
 
 use egui::{Context, TextureOptions, ViewportCommand};
@@ -28,10 +30,24 @@ use crate::scene::Focus;
 pub fn take(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
     if window.loading.running().is_some_and(|running| running.job == job) {
         loaded(window, event, ctx);
+    } else if window.adding.as_ref().is_some_and(|adding| adding.job == job) {
+        added(window, event, ctx);
     } else if window.queue.has(job) {
         exported(window, job, event, ctx);
     } else {
         told(window, event, ctx);
+    }
+}
+
+/// From the thread that tries nets.
+fn added(window: &mut Window, event: Event, ctx: &Context) {
+    match event {
+        Event::Progress(progress) => window.adding.iter_mut().for_each(|adding| adding.tell(progress)),
+        Event::Added { .. } | Event::Failed(_) | Event::Stopped => {
+            window.adding = None;
+            told(window, event, ctx);
+        }
+        other => told(window, other, ctx),
     }
 }
 
@@ -46,6 +62,13 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
             window.thumbnails.push((path, texture));
         }
         Event::Models(models) => window.models = models,
+        Event::Added { name, text } => {
+            window.toasts.info(&text);
+            window.settings.source = DepthFrom::Model(name);
+            if window.open.photo().is_some() {
+                window.make_again();
+            }
+        }
         Event::Warning(text) => window.toasts.info(&text),
         Event::Failed(text) => window.toasts.error(&text),
         _ => {}
@@ -200,6 +223,7 @@ fn picked(window: &mut Window, picked: Picked, ctx: &Context) {
             }
         }
         Picked::Models(folder) => Action::UseModels(folder),
+        Picked::Net(path) => Action::ChangeNets(Change::Add(path)),
         Picked::Pixels(size, rgba) => Action::Open(OpenFrom::Pixels(size, rgba)),
         Picked::Edit(recipe) => Action::PasteEdit(recipe),
         Picked::Unavailable(wanted) => Action::Show(Dialog::Path(wanted, String::new())),

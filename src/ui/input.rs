@@ -1,5 +1,6 @@
 //! Keys, drops and the clipboard: what they ask for.
 
+use super::adding::Change;
 use std::path::PathBuf;
 
 use egui::{Context, Event};
@@ -59,6 +60,9 @@ fn dropped(mut files: Vec<PathBuf>, has_photo: bool) -> Option<Action> {
         return Some(Action::Show(Dialog::Many(files)));
     }
     let path = files.pop()?;
+    if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("onnx")) {
+        return Some(Action::ChangeNets(Change::Add(path)));
+    }
     let is_depth = has_photo && is_pfm(&path);
     Some(if is_depth { Action::Ask(Ask::ReadDepthMap(path)) } else { Action::Open(OpenFrom::File(path)) })
 }

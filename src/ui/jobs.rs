@@ -1,5 +1,6 @@
 //! What the threads do: open a file and make a light field of it; write files.
 
+use super::adding;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -40,9 +41,11 @@ pub struct Load {
 }
 
 /// Passes what a computation tells on to the window.
-struct ToWindow<'a> {
-    job: JobId,
-    outbox: &'a Outbox,
+pub struct ToWindow<'a> {
+    /// The job.
+    pub job: JobId,
+    /// The way to the window.
+    pub outbox: &'a Outbox,
 }
 
 impl Sink for ToWindow<'_> {
@@ -76,7 +79,7 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
             }
             Ok((document, made)) => {
                 outbox.send(job, Event::Made(Box::new(made)));
-                outbox.send(job, Event::Models(load.making.models.further_models()));
+                outbox.send(job, Event::Models(adding::listed(&load.making)));
                 if remembers {
                     recents::keep(&document.subject);
                 }

@@ -5,6 +5,7 @@
 //! pictures are made of, and how, is the business of [`crate::scene`].
 
 mod action;
+mod adding;
 mod app;
 mod apply;
 mod ask;

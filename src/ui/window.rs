@@ -1,5 +1,6 @@
 //! What the window holds: what is open, what is done to it, how it is looked at, and the threads behind it.
 
+use super::event::Listed;
 use std::path::PathBuf;
 
 use eframe::egui_wgpu::RenderState;
@@ -21,6 +22,7 @@ use super::worker::Outbox;
 use super::workers::Workers;
 use crate::scene::{Edit, Focus, Making, Recipe};
 use crate::synth::ModelSource;
+use crate::synth::adopt::Shelf;
 
 /// What the window is started with.
 #[derive(Clone, Debug)]
@@ -29,6 +31,8 @@ pub struct Options {
     pub files: Vec<PathBuf>,
     /// Where the nets come from.
     pub models: ModelSource,
+    /// The nets that the person added.
+    pub shelf: Option<Shelf>,
     /// Long side of a view, in pixels; none is what the settings say.
     pub long_side: Option<u32>,
     /// Threads for the nets; 0 is one for each core.
@@ -65,13 +69,17 @@ pub struct Window {
     pub dialog: Option<Dialog>,
     /// Small pictures of recent files.
     pub thumbnails: Vec<(PathBuf, egui::TextureHandle)>,
-    /// Further models that ray depths can come from.
-    pub models: Vec<String>,
+    /// Further depth nets that ray depths can come from.
+    pub models: Vec<Listed>,
+    /// The net that is being tried.
+    pub adding: Option<Running>,
     /// Threads for the nets; 0 is one for each core.
     pub threads: usize,
     /// The threads.
     pub workers: Workers,
     started_with: ModelSource,
+    /// The nets that the person added.
+    shelf: Option<Shelf>,
 }
 
 impl Window {
@@ -98,16 +106,18 @@ impl Window {
             dialog: None,
             thumbnails: Vec::new(),
             models: Vec::new(),
+            adding: None,
             threads: options.threads,
             workers: Workers::spawn(outbox, pictures.as_ref(), remembers),
             pictures,
             started_with: options.models.clone(),
+            shelf: options.shelf.clone(),
         }
     }
 
     /// Whether something is being opened, made or saved.
     pub fn is_busy(&self) -> bool {
-        self.loading.running().is_some() || self.queue.is_busy()
+        self.loading.running().is_some() || self.adding.is_some() || self.queue.is_busy()
     }
 
     /// Opens something; what is open stays usable until the new one is there.
@@ -126,7 +136,14 @@ impl Window {
         };
         let Settings { long_side, occlusion, source, .. } = &self.settings;
         let source = source.clone();
-        Making { long_side: *long_side, occlusion: *occlusion, threads: self.threads, source, models }
+        Making {
+            long_side: *long_side,
+            occlusion: *occlusion,
+            threads: self.threads,
+            source,
+            models,
+            shelf: self.shelf.clone(),
+        }
     }
 
     /// Makes a photo's light field anew, after a setting changed.

@@ -10,7 +10,7 @@ use super::jobs::Load;
 use super::neighbours::{self, Ahead};
 use super::saver::Order;
 use super::worker::{Outbox, Worker};
-use super::{dialogs, finals, history, jobs, peaking, recents, saver};
+use super::{adding, dialogs, finals, history, jobs, peaking, recents, saver};
 use crate::scene::Maker;
 use crate::synth::cache::Cache;
 
@@ -32,6 +32,8 @@ pub struct Workers {
     pub ahead: Worker<neighbours::Request>,
     /// Keeps edits.
     pub sidecar: Worker<Keep>,
+    /// Tries and keeps depth nets.
+    pub adder: Worker<adding::Request>,
     /// Finds small pictures of recent files.
     pub recents: Worker<Vec<PathBuf>>,
 }
@@ -45,6 +47,7 @@ impl Workers {
         let maker = Arc::new(Maker::new(Cache::user().filter(|_| remembers)));
         Self {
             loader: Worker::spawn("synth", out(), jobs::loader(Arc::clone(&maker), ahead.clone(), remembers)),
+            adder: Worker::spawn("nets", out(), adding::worker(Arc::clone(&maker))),
             saver: Worker::spawn("export", out(), saver::worker(maker)),
             finisher: Worker::spawn("final", out(), finals::worker(pictures.and_then(FieldPictures::lens_renderer))),
             peaker: Worker::spawn("peaking", out(), peaking::work),

@@ -36,6 +36,7 @@ fn window_of(size: [f32; 2], long_side: u32) -> Window {
     let options = Options {
         files: Vec::new(),
         models: ModelSource::Embedded,
+        shelf: None,
         long_side: Some(long_side),
         threads: 1,
         restores_last: false,

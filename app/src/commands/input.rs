@@ -9,6 +9,7 @@ use plenoscope::io::formats::pfm;
 use plenoscope::job::Job;
 use plenoscope::scene::{DepthFrom, Maker, Making, Need, Scene, Subject};
 use plenoscope::synth::ModelSource;
+use plenoscope::synth::adopt::Shelf;
 use plenoscope::synth::cache::Cache;
 
 use crate::cli::SynthArgs;
@@ -42,6 +43,7 @@ pub fn making(args: &SynthArgs) -> Making {
         threads: args.threads.into(),
         source,
         models: model_source(args.models.as_deref()),
+        shelf: Shelf::user(),
     }
 }
 

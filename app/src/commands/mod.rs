@@ -8,6 +8,7 @@ mod export;
 mod info;
 mod input;
 mod lens_args;
+mod models;
 mod output;
 mod pages;
 mod refocus;
@@ -18,6 +19,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use plenoscope::job::Job;
+use plenoscope::synth::adopt::Shelf;
 use plenoscope::ui;
 
 use crate::cli::{Cli, Command, Window};
@@ -51,6 +53,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
         Some(Command::Batch(args)) => batch::run(&args, &job),
         Some(Command::Bench(args)) => bench::run(&args, &job),
         Some(Command::Info(args)) => info::run(&args, &job),
+        Some(Command::Models(args)) => models::run(&args, &job),
         Some(Command::Sample(args)) => sample::run(&args, &job),
         Some(Command::Completions { shell }) => pages::completions(shell),
         Some(Command::Man { output }) => pages::man(output.as_deref()),
@@ -63,5 +66,5 @@ fn window(files: Vec<PathBuf>, args: Window) -> Result<()> {
     let models = input::model_source(args.models.as_deref());
     let restores_last = files.is_empty() && !args.fresh;
     let (long_side, threads) = (args.long_side, args.threads.into());
-    Ok(ui::run(ui::Options { files, models, long_side, threads, restores_last })?)
+    Ok(ui::run(ui::Options { files, models, shelf: Shelf::user(), long_side, threads, restores_last })?)
 }

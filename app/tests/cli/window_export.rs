@@ -30,6 +30,7 @@ impl WindowExport {
         let options = Options {
             files: Vec::new(),
             models: ModelSource::Embedded,
+            shelf: None,
             long_side: Some(long_side),
             threads: 1,
             restores_last: false,

@@ -1,5 +1,6 @@
 //! The inspector: lens, viewpoint, ray depths, source, light field; views at its foot.
 
+use crate::ui::event::Listed;
 use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
 use super::source;
@@ -29,8 +30,8 @@ pub struct Inspector<'a> {
     pub is_circling: &'a mut bool,
     /// Colours, marks, the source of ray depths.
     pub settings: &'a mut Settings,
-    /// Further models that ray depths can come from.
-    pub models: &'a [String],
+    /// Further depth nets that ray depths can come from.
+    pub models: &'a [Listed],
     /// Views and ray depths on the device.
     pub pictures: Option<&'a mut FieldPictures>,
 }

@@ -143,7 +143,8 @@ fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {
 fn status_line(window: &Window, ui: &Ui) -> Option<Action> {
     let Window { open, queue, look, threads, .. } = window;
     let drawn_by = window.pictures.as_ref().map_or("no device", |pictures| pictures.adapter.as_str());
-    status::show(&Status { open, loading: window.loading.running(), queue, look, drawn_by, threads: *threads }, ui)
+    let loading = window.loading.running().or(window.adding.as_ref());
+    status::show(&Status { open, loading, queue, look, drawn_by, threads: *threads }, ui)
 }
 
 /// Draws the dialog that is open.

@@ -1,5 +1,6 @@
 //! A box for a path, where the system shows no file dialogs.
 
+use crate::ui::adding::Change;
 use std::path::PathBuf;
 
 use egui::{Context, RichText};
@@ -25,6 +26,7 @@ pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
             PathFor::Export => ("Export photos", "a photo", "Go on"),
             PathFor::DepthMap => ("Depth map", "a PFM or grey picture", "Use"),
             PathFor::Models => ("Models", "a folder of models", "Use"),
+            PathFor::Net => ("Depth net", "an ONNX file", "Add"),
         };
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         let line = format!("The system shows no file dialog here. Type or paste the path of {what}");
@@ -60,5 +62,6 @@ fn action(wanted: PathFor, path: PathBuf) -> Action {
         PathFor::Export => Action::Show(Dialog::Export(vec![path])),
         PathFor::DepthMap => Action::Ask(Ask::ReadDepthMap(path)),
         PathFor::Models => Action::UseModels(path),
+        PathFor::Net => Action::ChangeNets(Change::Add(path)),
     }
 }

@@ -1,15 +1,18 @@
 //! Inspector sections: where ray depths come from, and what the light field is.
 
-use egui::{Align, Label, Layout, RichText, Ui};
+use egui::{Align, Button, Label, Layout, RichText, Ui};
 
 use crate::scene::{Content, DepthFrom, Recorded};
 use crate::ui::action::Action;
+use crate::ui::adding::Change;
+use crate::ui::ask::Ask;
 use crate::ui::command::Command;
+use crate::ui::event::Listed;
 use crate::ui::open::Open;
 use crate::ui::{theme, widgets};
 
 /// Where a photo's ray depths come from.
-pub fn source(open: &Open, wanted: &DepthFrom, models: &[String], ui: &mut Ui) -> Option<Action> {
+pub fn source(open: &Open, wanted: &DepthFrom, models: &[Listed], ui: &mut Ui) -> Option<Action> {
     let Content::Photo(one) = &open.subject()?.content else { return None };
     let mut choices = vec![(DepthFrom::Network, "Network".to_owned())];
     if one.phone.is_some() {
@@ -18,38 +21,38 @@ pub fn source(open: &Open, wanted: &DepthFrom, models: &[String], ui: &mut Ui) -
     if one.own_map.is_some() {
         choices.push((DepthFrom::Map, "Your map".to_owned()));
     }
-    let is_model = |source: &DepthFrom| matches!(source, DepthFrom::Model(_));
-    // A source that this photo has not is the network, until a photo comes that has it.
-    let is_there = choices.iter().any(|(choice, _)| choice == wanted) || is_model(wanted);
-    let mut source = if is_there { wanted.clone() } else { DepthFrom::Network };
+    let preferred = models.iter().find(|net| net.is_preferred).map(|net| net.name.clone());
+    let best = one.best_source(preferred);
+    let is_there = |source: &DepthFrom| {
+        choices.iter().any(|(choice, _)| choice == source) || matches!(source, DepthFrom::Model(_))
+    };
+    // A source that this photo has not is its best one, until a photo comes that has it.
+    let mut source = if is_there(wanted) { wanted.clone() } else { best };
     let before = source.clone();
-    let mut action = None;
+    let (mut own_map, mut action) = (None, None);
     let ctx = ui.ctx().clone();
     widgets::section(
         ui,
         "Source of ray depths",
         |ui| {
             if widgets::link(ui, "depth map…").on_hover_text(Command::OwnDepth.tip(&ctx)).clicked() {
-                action = Some(Action::Do(Command::OwnDepth));
+                own_map = Some(Action::Do(Command::OwnDepth));
             }
         },
         |ui| {
             if choices.len() > 1 {
                 widgets::segmented(ui, "Source", &mut source, &choices);
             }
-            if !models.is_empty() {
-                model_menu(ui, &mut source, models);
-            } else if choices.len() == 1 {
-                row(ui, "Estimated by", "network");
-            }
+            action = model_menu(ui, &mut source, models);
         },
     );
-    if source != before { Some(Action::TakeDepths(source)) } else { action }
+    if source != before { Some(Action::TakeDepths(source)) } else { action.or(own_map) }
 }
 
-/// Further models, where the models folder holds some.
-fn model_menu(ui: &mut Ui, source: &mut DepthFrom, models: &[String]) {
+/// Further depth nets, and what can be done with them.
+fn model_menu(ui: &mut Ui, source: &mut DepthFrom, models: &[Listed]) -> Option<Action> {
     let colors = theme::palette(ui.ctx());
+    let mut action = None;
     ui.horizontal(|ui| {
         ui.label(RichText::new("Model").color(colors.weak));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -62,16 +65,49 @@ fn model_menu(ui: &mut Ui, source: &mut DepthFrom, models: &[String]) {
                     *source = DepthFrom::Network;
                     ui.close();
                 }
-                for id in models {
-                    let choice = DepthFrom::Model(id.clone());
-                    if ui.selectable_label(*source == choice, id).clicked() {
-                        *source = choice;
-                        ui.close();
-                    }
-                }
+                models.iter().for_each(|net| net_entry(ui, source, net));
+                ui.separator();
+                action = net_actions(ui, source, models);
             });
         });
     });
+    action
+}
+
+/// One net; a broken one says why on hover.
+fn net_entry(ui: &mut Ui, source: &mut DepthFrom, net: &Listed) {
+    let choice = DepthFrom::Model(net.name.clone());
+    let label = Button::selectable(*source == choice, &net.name);
+    let entry = ui.add_enabled(net.fault.is_none(), label);
+    if let Some(fault) = &net.fault {
+        entry.on_disabled_hover_text(fault);
+    } else if entry.clicked() {
+        *source = choice;
+        ui.close();
+    }
+}
+
+/// Add one; use the chosen one always; remove it.
+fn net_actions(ui: &mut Ui, source: &DepthFrom, models: &[Listed]) -> Option<Action> {
+    let mut action = None;
+    let tip = "An ONNX file: it is tried on the sample and kept. A file can be dropped on the window, too";
+    if ui.button("Add a depth net…").on_hover_text(tip).clicked() {
+        action = Some(Action::Ask(Ask::Net));
+    }
+    let chosen = models.iter().find(|net| net.is_added && *source == DepthFrom::Model(net.name.clone()));
+    if let Some(net) = chosen {
+        let mut is_preferred = net.is_preferred;
+        if ui.checkbox(&mut is_preferred, "Use for all photos").clicked() {
+            action = Some(Action::ChangeNets(Change::Prefer(is_preferred.then(|| net.name.clone()))));
+        }
+        if ui.button(format!("Remove {}", net.name)).clicked() {
+            action = Some(Action::ChangeNets(Change::Remove(net.name.clone())));
+        }
+    }
+    if action.is_some() {
+        ui.close();
+    }
+    action
 }
 
 /// What the light field is; of a recorded one also how it was laid out.
