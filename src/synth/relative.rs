@@ -4,7 +4,9 @@ use super::net::Net;
 use super::picture::{Signed, size_in_steps};
 use super::range::Estimate;
 use super::tract::Output;
-use super::{ColourOrder, Layout, Manifest, ModelFile, RelativeOutput, SynthError, SynthParams, upsample};
+use super::{
+    ColourOrder, Layout, Manifest, ModelFile, RelativeOutput, RelativeRules, SynthError, SynthParams, upsample,
+};
 use crate::field::{DisparityMap, FieldError, Photo, RelativeDepth, Size, View, sides};
 use crate::job::Job;
 
@@ -37,18 +39,48 @@ impl RelativeNet {
         let outputs = self.net.run_all(&input_shape(manifest, size), &input, params.threads, job.cancel)?;
         let kind = manifest.relative.output;
         let ([w, h], values) = map_of(&outputs[0], kind).ok_or_else(|| self.net.no_map(&outputs[0]))?;
-        let map = estimate_of(kind, [w as u32, h as u32], &values)?;
+        let further = Further::of(&manifest.relative, &outputs, values.len(), w as f32 / sides(size)[0] as f32);
+        let map = estimate_of(kind, [w as u32, h as u32], &values, further)?;
         let map = map.disparity(&params.camera, manifest.disparity_range_px)?;
         upsample::to_guide(&map, reference, job)
     }
 }
 
+/// What a net answers beside its map.
+#[derive(Default)]
+struct Further {
+    /// Where the sky is, `[y, x]` of the map.
+    sky: Option<Vec<bool>>,
+    /// Focal length in pixels of the map.
+    focal_px: Option<f32>,
+}
+
+impl Further {
+    /// Of the outputs in the order of [`RelativeRules::wiring`](super::RelativeRules::wiring); one of another size than
+    /// the map says nothing. `ratio` is that of the map's width to the input's.
+    fn of(rules: &RelativeRules, outputs: &[Output], pixels: usize, ratio: f32) -> Self {
+        let mut rest = outputs.iter().skip(1);
+        let mut next = |name: &String| if name.is_empty() { None } else { rest.next() };
+        let (sky, focal) = (next(&rules.sky_output), next(&rules.focal_output));
+        let is_sky = |output: &Output| output.iter().map(|share| *share > 0.5).collect();
+        let sky = sky.filter(|output| output.len() == pixels).map(is_sky);
+        let focal_px = focal.and_then(|output| output.first()).map(|px| px * ratio).filter(|px| px.is_finite());
+        Self { sky, focal_px }
+    }
+}
+
 /// What a net's numbers say.
-fn estimate_of(output: RelativeOutput, size: Size, values: &[f32]) -> Result<Estimate, FieldError> {
-    let greatest = values.iter().copied().fold(0.0, f32::max);
-    let nearness = values.iter().map(|value| output.nearness(*value, greatest)).collect();
-    let estimate = Estimate::relative(RelativeDepth::new(size, nearness)?);
-    Ok(if output == RelativeOutput::Nearness { estimate.with_zeros_as_sky() } else { estimate })
+fn estimate_of(kind: RelativeOutput, size: Size, values: &[f32], further: Further) -> Result<Estimate, FieldError> {
+    let nearness = RelativeDepth::new(size, kind.nearness_of(values))?;
+    let estimate = match kind {
+        RelativeOutput::Metres => Estimate::metric(nearness, further.focal_px),
+        _ => Estimate::relative(nearness),
+    };
+    Ok(match (further.sky, kind) {
+        (Some(sky), _) => estimate.with_sky(sky),
+        (None, RelativeOutput::Nearness) => estimate.with_zeros_as_sky(),
+        (None, _) => estimate,
+    })
 }
 
 /// The input's size: fixed by the manifest, or the photo's shape at the working long side.
