@@ -74,7 +74,7 @@ fn reduced(map: Vec<f32>, source: Size, guide: Size) -> (Vec<f32>, Size) {
     // Pixels whose centres lie in the target's pixel.
     let under = |i: usize, axis: usize| {
         let (from, to) = (source[axis] as usize, target[axis] as usize);
-        let first = |i: usize| (2 * i * from).div_ceil(2 * to).min(from - 1);
+        let first = |i: usize| (2 * i * from).saturating_sub(to).div_ceil(2 * to).min(from - 1);
         first(i)..first(i + 1).max(first(i) + 1)
     };
     let value = |i: usize| {
