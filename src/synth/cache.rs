@@ -21,7 +21,7 @@ use crate::aside::NewFile;
 use crate::field::{DisparityMap, Photo, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
-const MAGIC: &[u8; 8] = b"PLENO\0\0\x03";
+const MAGIC: &[u8; 8] = b"PLENO\0\0\x04";
 /// Bytes that the folder may hold.
 const CAP_BYTES: u64 = 2 << 30;
 
