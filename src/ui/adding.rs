@@ -9,7 +9,7 @@ use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::job::{Cancel, Job};
 use crate::scene::{Maker, Making, models};
-use crate::synth::adopt::{AdoptError, Adopted, Shelf};
+use crate::synth::adopt::{AdoptError, Shelf};
 
 /// What is done with nets, and where they lie.
 pub struct Request {
@@ -54,21 +54,11 @@ fn change(what: &Change, shelf: &Shelf, job: &Job) -> Result<Event, AdoptError> 
     match what {
         Change::Add(file) => {
             let net = models::add(file, None, shelf, false, job)?;
-            Ok(Event::Added { name: net.manifest.id.clone(), text: told(&net) })
+            Ok(Event::Added { name: net.manifest.id.clone(), text: format!("Added {}", net.summary()) })
         }
         Change::Prefer(name) => shelf.prefer(name.as_deref()).map(|()| Event::Stopped),
         Change::Remove(name) => shelf.remove(name).map(|()| Event::Stopped),
     }
-}
-
-/// What a person reads of a net that was added.
-fn told(net: &Adopted) -> String {
-    let Adopted { manifest, family, seconds, bytes, warning, .. } = net;
-    let what = family.unwrap_or("a depth net of no known family");
-    let licence = if manifest.licence.is_empty() { "licence not known" } else { &manifest.licence };
-    let warning = warning.map(|warning| format!(" — {warning}")).unwrap_or_default();
-    let megabytes = *bytes as f64 / 1e6;
-    format!("Added {}: {what}, {megabytes:.0} MB, {seconds:.1} s a photo, {licence}{warning}", manifest.id)
 }
 
 /// All depth nets beside the pair's own, broken ones with their reason.

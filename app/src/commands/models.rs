@@ -33,19 +33,12 @@ pub fn run(args: &Models, job: &Job) -> Result<()> {
 }
 
 fn added(net: &Adopted) -> String {
-    let Adopted { manifest, family, warning, correlation, seconds, bytes, .. } = net;
-    let licence = match (manifest.licence.as_str(), warning) {
-        ("", _) => "licence not known: look where you got it".to_owned(),
-        (licence, None) => licence.to_owned(),
-        (licence, Some(warning)) => format!("{licence} — {warning}"),
-    };
-    let what = family.unwrap_or("a depth net of no known family");
-    let megabytes = *bytes as f64 / 1e6;
-    let id = &manifest.id;
+    let (id, summary) = (&net.manifest.id, net.summary());
     format!(
-        "{id}: {what}, {megabytes:.0} MB, {seconds:.1} s a photo, {licence}\n\
-         It orders the sample's depth with a correlation of {correlation:.2}.\n\
-         Use it with --source {id}, or for all photos with `plenoscope models use {id}`."
+        "{summary}\n\
+         It orders the sample's depth with a correlation of {:.2}.\n\
+         Use it with --source {id}, or for all photos with `plenoscope models use {id}`.",
+        net.correlation
     )
 }
 

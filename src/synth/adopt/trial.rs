@@ -50,6 +50,20 @@ pub struct Adopted {
     pub depth: RelativeDepth,
 }
 
+impl Adopted {
+    /// What a person reads of it: family, size, time, whose it is.
+    pub fn summary(&self) -> String {
+        let licence = match (self.manifest.licence.as_str(), self.warning) {
+            ("", _) => "licence not known: look where you got it".to_owned(),
+            (licence, None) => licence.to_owned(),
+            (licence, Some(warning)) => format!("{licence} — {warning}"),
+        };
+        let what = self.family.unwrap_or("a depth net of no known family");
+        let (id, megabytes) = (&self.manifest.id, self.bytes as f64 / 1e6);
+        format!("{id}: {what}, {megabytes:.0} MB, {:.1} s a photo, {licence}", self.seconds)
+    }
+}
+
 /// Tells what a net is and tries it. Nothing is written.
 ///
 /// With `any` a net that does not find the known depth is taken all the same.
