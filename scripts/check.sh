@@ -45,6 +45,13 @@ large_files() {
     ! git ls-files -z | xargs -0 du -k | awk '$1 > 12288 { print $2 " is larger than 12 MiB"; bad = 1 } END { exit !bad }'
 }
 
+# The program's crates on this system; docs/building.md says why each counts.
+crate_budget() {
+    local crates
+    crates=$(cargo tree --locked --package plenoscope-app --edges normal,build --prefix none --no-dedupe --format '{p}' | sort -u | wc -l) || return 1
+    [ "$crates" -le 430 ] || { echo "the program has $crates crates, more than its budget: see docs/building.md"; return 1; }
+}
+
 no_machine_paths() {
     # /home/me stands for anybody's.
     ! git grep -nIE '(^|[^[:alnum:]_.])/(home|Users|root)/[[:alnum:]]' -- . ':!*.lock' ':!scripts/check.sh' | grep -v '/home/me/'
@@ -63,6 +70,7 @@ check "no file over 600 lines" long_files
 check "every file says what it is" headless_files
 check "no large file" large_files
 check "no path of somebody's machine" no_machine_paths
+check "no more crates than the budget" crate_budget
 
 if [ "${1:-}" != "--fast" ]; then
     # The features of `cargo xtask test`, so that what is compiled here is compiled once.
