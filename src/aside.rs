@@ -48,6 +48,19 @@ impl NewFile {
         }
     }
 
+    /// Brings it to the disk and gives it its name, unless a file of that name came there meanwhile.
+    ///
+    /// # Errors
+    /// `AlreadyExists` where one did, which stays as it is; else the system's.
+    pub fn put_new(mut self) -> io::Result<()> {
+        self.file().sync_all()?;
+        match self.aside {
+            #[cfg(target_os = "linux")]
+            Aside::Nameless(file) => link(&file, &self.path),
+            Aside::Named(file) => file.persist_noclobber(&self.path).map(drop).map_err(|failed| failed.error),
+        }
+    }
+
     /// Brings it to the disk and gives it its name.
     ///
     /// # Errors
@@ -173,7 +186,10 @@ mod tests {
         write(&path, "one").put().unwrap();
         write(&path, "two").put().unwrap();
         drop(write(&path, "half"));
+        assert_eq!(write(&path, "late").put_new().unwrap_err().kind(), io::ErrorKind::AlreadyExists);
         assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+        write(&dir.path().join("b.txt"), "new").put_new().unwrap();
+        fs::remove_file(dir.path().join("b.txt")).unwrap();
         assert!(write(dir.path(), "a folder's name").put().is_err());
         assert_eq!(names(dir.path()), ["a.txt"]);
     }

@@ -8,6 +8,7 @@ use plenoscope::field::{FNumber, LensShape};
 use plenoscope::render::cpu::Colormap;
 use plenoscope::scene::export::{Kind, Settings};
 use plenoscope::scene::{Making, Movement};
+use plenoscope::shard::Shard;
 
 use crate::values::{self, Pair, PictureSize, Range, Size};
 
@@ -85,6 +86,13 @@ pub enum Command {
     Completions {
         /// The shell
         shell: Shell,
+    },
+    /// Write the program's icon in all sizes, laid out as desktops look for it
+    #[command(hide = true)]
+    Icons {
+        /// Folder for it, such as /usr/share/icons/hicolor
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
     },
     /// Print the man page, or write those of all commands into a folder
     Man {
@@ -366,8 +374,11 @@ pub struct Export {
 #[derive(Debug, Args)]
 pub struct Batch {
     /// The photos
-    #[arg(required = true, value_name = "INPUT")]
+    #[arg(required_unless_present = "files_from", value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
+    /// Take the photos that this list names, one a line; - is the standard input
+    #[arg(long, value_name = "LIST", conflicts_with = "inputs")]
+    pub files_from: Option<PathBuf>,
     /// The edit, as the window keeps it
     #[arg(long, value_name = "FILE.json")]
     pub recipe: PathBuf,
@@ -377,11 +388,37 @@ pub struct Batch {
     /// Names of the pictures without their ending: {name} is the photo's, {f} the f-number; by default the recipe's
     #[arg(long, value_name = "TEMPLATE")]
     pub name: Option<String>,
-    #[command(flatten)]
-    pub synth: SynthArgs,
     /// Make again what is there already
     #[arg(long)]
     pub force: bool,
+    /// Make again of what is there already only what is not whole, or of another recipe or photo
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Print a line of JSON a photo: path, output, state (made, skipped, met, failed), secs, error
+    #[arg(long)]
+    pub json: bool,
+    /// Write the same lines to a file; with --resume after those that are there
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub share: BatchShare,
+    #[command(flatten)]
+    pub synth: SynthArgs,
+}
+
+/// What one worker of several takes of the work and of the machine.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Several workers")]
+pub struct BatchShare {
+    /// Do the K-th of N parts of the photos; a photo's part hangs on its file name alone
+    #[arg(long, value_name = "K/N", default_value_t)]
+    pub shard: Shard,
+    /// Photos that are worked on together at most; 0 is one for each core
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub jobs: u16,
+    /// Memory that these may take together, in MiB
+    #[arg(long, value_name = "MIB", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..))]
+    pub memory: u32,
 }
 
 /// Arguments of `bench`.

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Kind, Settings};
+use super::{Existing, Kind, Settings};
 use crate::field::DisparityMap;
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::depth_out::Seen;
 use crate::io::formats::{self, FieldToWrite, Writer, depth_out, ply, quilt, stereo};
-use crate::io::save::{self, AnimationOptions, PictureOptions};
+use crate::io::save::{self, AnimationOptions, PictureOptions, SaveError};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
 use crate::scene::recipe::PictureSettings;
@@ -22,7 +22,7 @@ const GDEPTH_QUALITY: u8 = 95;
 pub enum Written {
     /// The file or folder was written.
     Saved(PathBuf),
-    /// It was there already and was left as it is.
+    /// It was there already, or came there meanwhile, and was left as it is.
     Skipped(PathBuf),
 }
 
@@ -59,10 +59,12 @@ impl FileExport<'_> {
             None => subject,
         });
         let need = self.settings.kind.need(self.settings.size());
-        let scene = self.maker.scene(&subject, self.making, need, job)?;
+        let scene = self.maker.scene(&subject, &self.making.with_recipe(self.recipe), need, job)?;
         let edit = self.recipe.edit(scene.map().size()[0]);
-        write(&scene, &edit, self.settings, &target, job)?;
-        Ok(Written::Saved(target))
+        match write(&scene, &edit, self.settings, &target, job) {
+            Err(SceneError::Save(SaveError::Exists(target))) => Ok(Written::Skipped(target)),
+            done => done.map(|()| Written::Saved(target)),
+        }
     }
 }
 
@@ -99,7 +101,8 @@ fn picture(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: 
 fn picture_options(scene: &Scene, settings: &Settings) -> PictureOptions {
     let PictureSettings { bits, quality, keep, .. } = settings.picture;
     let origin = scene.origin(settings.size());
-    PictureOptions { format: None, bits, quality, keep, origin, replace_source: settings.replaces_source }
+    let (replace, replace_source) = (settings.existing != Existing::Leave, settings.replaces_source);
+    PictureOptions { format: None, bits, quality, keep, origin, replace_source, replace }
 }
 
 /// One map as a file.

@@ -8,6 +8,7 @@ use clap::{ArgMatches, Command, arg, value_parser};
 use indicatif::{ProgressBar, ProgressStyle};
 use plenoscope::io::{self, Opened};
 use plenoscope::job::{Cancel, Job};
+use plenoscope::shard::Shard;
 use serde_json::{Value, json};
 
 use super::light_field::{Closeness, Figures};
@@ -44,6 +45,12 @@ pub fn command() -> Command {
         .arg(arg!(--threads <N> "Threads; 0 means all").default_value("0").value_parser(value_parser!(usize)))
         .arg(arg!(--sheets <DIR> "Write contact sheets there").required(false).value_parser(path()))
         .arg(arg!(--json "One JSON object on stdout"))
+        .arg(
+            arg!(--shard <"K/N"> "The K-th of N parts of the files, by their names; means are over that part")
+                .default_value("1/1")
+                .conflicts_with_all(["photos", "depth", "solid"])
+                .value_parser(value_parser!(Shard)),
+        )
 }
 
 /// Evaluates as asked; gives what is to be printed.
@@ -54,11 +61,13 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let threads = matches.get_one::<usize>("threads").copied().unwrap_or(0);
     let folder = matches.get_one::<PathBuf>("models").map(PathBuf::as_path);
     let models = Models::load(folder, matches.get_one::<String>("net").map(String::as_str), threads)?;
-    let files: Vec<PathBuf> = matches.get_many("FILE").into_iter().flatten().cloned().collect();
+    let mut files: Vec<PathBuf> = matches.get_many("FILE").into_iter().flatten().cloned().collect();
     anyhow::ensure!(
         !files.is_empty() || ["photos", "depth", "solid"].iter().any(|name| given(matches, name)),
         "nothing to evaluate — give light fields, photos with depth, --photos, --depth DIR or --solid N"
     );
+    let shard = matches.get_one::<Shard>("shard").copied().unwrap_or_default();
+    files.retain(|file| shard.takes_file(file));
     let sheets = matches.get_one::<PathBuf>("sheets");
     if let Some(folder) = sheets {
         std::fs::create_dir_all(folder)?;

@@ -8,6 +8,7 @@ use clap::{ArgMatches, Command, arg, value_parser};
 use plenoscope::field::{RayDepths, ViewGrid};
 use plenoscope::io::formats::{self, views};
 use plenoscope::job::{Cancel, Job};
+use plenoscope::shard::Shard;
 
 use super::raster::Rgb;
 use super::{Config, Mix, REFERENCE, Sample, Source};
@@ -43,6 +44,11 @@ pub fn command() -> Command {
                 .hide_default_value(true)
                 .value_parser(value_parser!(Mix)),
         )
+        .arg(
+            arg!(--shard <"K/N"> "Write every N-th sample, from the K-th; N workers write what one would")
+                .default_value("1/1")
+                .value_parser(value_parser!(Shard)),
+        )
 }
 
 /// Writes samples; gives what is to be printed.
@@ -66,8 +72,10 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
     let notes: String = source.notes().map(|note| format!("{note}\n")).collect();
     let out = path("out");
     std::fs::create_dir_all(&out)?;
-    let (mut rows, mut told, mut secs) = (Vec::new(), Vec::new(), 0.0);
-    for index in 0..number("count") as u64 {
+    let shard = matches.get_one::<Shard>("shard").copied().unwrap_or_default();
+    let (mut rows, mut told, mut secs, mut count) = (Vec::new(), Vec::new(), 0.0, 0);
+    for index in (0..number("count") as u64).filter(|index| shard.takes_number(*index)) {
+        count += 1;
         let started = Instant::now();
         let sample = source.sample(index);
         secs += started.elapsed().as_secs_f64();
@@ -80,13 +88,15 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
             rows.push(reference_tiles(&sample));
         }
     }
-    write_png(&out.join("sheet.png"), &join(&rows, 240))?;
-    let count = number("count").max(1) as f64;
+    let sheet =
+        if shard.is_whole() { "sheet.png".to_owned() } else { format!("sheet_{shard}.png").replace('/', "_of_") };
+    if !rows.is_empty() {
+        write_png(&out.join(&sheet), &join(&rows, 240))?;
+    }
     Ok(format!(
-        "{notes}{} samples and sheet.png in {}\n{:.1} samples a second; Spearman of the row number {:.3} over them\n",
-        number("count"),
+        "{notes}{count} samples and {sheet} in {}\n{:.1} samples a second; Spearman of the row number {:.3} over them\n",
         out.display(),
-        count / secs.max(1e-9),
+        f64::from(count) / secs.max(1e-9),
         mean(told.into_iter()).unwrap_or(0.0)
     ))
 }
