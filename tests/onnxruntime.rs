@@ -87,12 +87,18 @@ fn the_shipped_nets_answer_alike() {
         // As the program does: brought to the multiple that the manifest asks for.
         let [h, w] = [h, w].map(|side: usize| side.next_multiple_of(multiple));
         let shape = [1, depth.manifest.input_channels(), h, w];
-        compare(runtime, "shipped depth net", &depth.onnx, &shape, DEPTH_TOLERANCE);
+        compare(runtime, "shipped depth net", &depth.onnx.read().unwrap(), &shape, DEPTH_TOLERANCE);
     }
     let Some(id) = index.occlusion else { return };
     let occlusion = source.model(&id, Task::Occlusion).unwrap();
     let views = occlusion.manifest.grid().unwrap().count();
     for (h, w) in [(40, 64), (33, 47)] {
-        compare(runtime, "shipped occlusion net", &occlusion.onnx, &[1, 4, views, h, w], RESIDUAL_TOLERANCE);
+        compare(
+            runtime,
+            "shipped occlusion net",
+            &occlusion.onnx.read().unwrap(),
+            &[1, 4, views, h, w],
+            RESIDUAL_TOLERANCE,
+        );
     }
 }

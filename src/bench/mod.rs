@@ -19,7 +19,7 @@ use serde::Serialize;
 use self::nets::Nets;
 use crate::job::{Cancelled, Job};
 use crate::kernel::{Isa, peak};
-use crate::synth::tract::{EngineError, Path, pool};
+use crate::synth::tract::{self, EngineError, Path, pool};
 use crate::synth::{ModelError, ModelSource};
 
 /// What is to be timed.
@@ -40,6 +40,13 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self { sizes: vec![[270, 187], [540, 372]], runs: 5, threads: 0, path: Path::Auto, exact: false }
+    }
+}
+
+impl Options {
+    /// As the engine takes them.
+    fn engine(&self) -> tract::Options {
+        tract::Options { path: self.path, exact: self.exact, threads: self.threads, ..tract::Options::default() }
     }
 }
 

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::nets::numbers;
 use super::{BenchError, Options, median, peak_rss_mib, processor, timed};
 use crate::job::Job;
-use crate::synth::tract::{self, OpSeconds, Output, Runnable, picture_shape, pool, prepare};
+use crate::synth::tract::{OnnxBytes, OnnxFile, OpSeconds, Output, Runnable, picture_shape, pool, prepare_file};
 
 /// Width and height of the picture where the file leaves them open.
 pub const USUAL_SIZE: [usize; 2] = [518, 392];
@@ -21,7 +21,7 @@ pub struct ModelReport {
     pub input: Vec<usize>,
     /// Lengths of the axes of the output.
     pub output: Vec<usize>,
-    /// Seconds from the file's bytes to a net that can run.
+    /// Seconds from the file to a net that can run.
     pub prepare_seconds: f64,
     /// Seconds of one run, the median.
     pub seconds: f64,
@@ -82,10 +82,9 @@ pub fn run(
 /// The shape of the input, the seconds it took to make the net ready for it, and the net.
 fn ready(file: &Path, size: [usize; 2], options: &Options) -> Result<(Vec<usize>, f64, Runnable), BenchError> {
     let unreadable = |source| BenchError::Unreadable { path: file.to_owned(), source };
-    let onnx = std::fs::read(file).map_err(unreadable)?;
-    let input = picture_shape(&onnx, size)?;
-    let engine = tract::Options { path: options.path, exact: options.exact, threads: options.threads };
-    let (took, net) = timed(|| prepare(&onnx, &input, &engine));
+    std::fs::File::open(file).map_err(unreadable)?;
+    let input = picture_shape(OnnxBytes::File(file), size)?;
+    let (took, net) = timed(|| prepare_file(&OnnxFile::on_disk(file), &input, &options.engine()));
     Ok((input, took, net?))
 }
 

@@ -12,7 +12,7 @@ use crate::field::{ViewGrid, size_from};
 use crate::job::{Cancelled, Job};
 use crate::kernel::winograd::{Columns, VolumeChain};
 use crate::synth::lambertian::{fill_row, render_row};
-use crate::synth::tract::{self, Output, Runnable, pool, prepare};
+use crate::synth::tract::{self, Output, Runnable, Wiring, pool, prepare_file};
 use crate::synth::{ModelFile, ModelSource, Signed, Task};
 
 /// Rows that the occlusion net sees beyond a strip.
@@ -41,14 +41,15 @@ impl Nets {
         let occlusion_file = index.occlusion.map(|id| models.model(&id, Task::Occlusion)).transpose()?;
         let grid = depth_file.manifest.grid()?;
         let size @ [width, height] = size.map(|side| side.max(1));
-        let engine = tract::Options { path: options.path, exact: options.exact, threads: options.threads };
+        let engine = options.engine();
         let multiple = depth_file.manifest.multiple_of as usize;
         let padded = [height, width].map(|side| side.next_multiple_of(multiple));
         let shape = [1, depth_file.manifest.input_channels(), padded[0], padded[1]];
-        let depth = prepare(&depth_file.onnx, &shape, &engine)?;
+        let depth = prepare_file(&depth_file.onnx(&Wiring::FIRST), &shape, &engine)?;
         let ready = |rows: usize| {
             let shape = [1, 4, grid.count(), rows, width];
-            occlusion_file.as_ref().map(|file| prepare(&file.onnx, &shape, &engine)).transpose()
+            let file = occlusion_file.as_ref();
+            file.map(|file| prepare_file(&file.onnx(&Wiring::FIRST), &shape, &engine)).transpose()
         };
         let fitting = STRIP_BYTES / (8 * grid.count() * width * size_of::<f32>());
         let (mut occlusion, mut strip_rows) = (ready(height)?, height);

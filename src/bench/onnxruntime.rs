@@ -10,6 +10,7 @@ use ort::value::TensorRef;
 
 use super::nets::{Nets, numbers};
 use super::timed;
+use crate::synth::ModelFile;
 
 /// Both nets in ONNX Runtime, each with an input over the whole picture.
 pub(super) struct Engine {
@@ -21,14 +22,15 @@ impl Engine {
     pub(super) fn new(nets: &Nets, threads: usize) -> Result<Self, String> {
         let [depth, occlusion] = nets.shapes();
         let threads = if threads == 0 { rayon::current_num_threads() } else { threads };
-        let load = |onnx: &[u8], shape: Vec<usize>| {
-            let session = session(onnx, threads)?;
+        let load = |file: &ModelFile, shape: Vec<usize>| {
+            let onnx = file.onnx.read().map_err(|error| error.to_string())?;
+            let session = session(&onnx, threads)?;
             let values = numbers(shape.iter().product());
             Ok::<_, String>((session, shape.into_iter().map(|n| n as i64).collect(), values))
         };
-        let mut loaded = vec![load(&nets.depth_file.onnx, depth)?];
+        let mut loaded = vec![load(&nets.depth_file, depth)?];
         if let Some(file) = &nets.occlusion_file {
-            loaded.push(load(&file.onnx, occlusion)?);
+            loaded.push(load(file, occlusion)?);
         }
         Ok(Self { nets: loaded })
     }

@@ -38,7 +38,7 @@ pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
 pub use photo::{Metadata, Photo, PhotoPixels};
 pub use picture::{Picture, Pixels, Samples};
-pub use rank::{correlation, spearman};
+pub use rank::{Moments, correlation, spearman};
 pub use raster::Raster;
 pub use ray_depths::RayDepths;
 pub use resample::{Filter, nearest, resample};

@@ -8,17 +8,44 @@ pub fn spearman(a: &[f32], b: &[f32]) -> f32 {
 
 /// Pearson's correlation of pairs, −1 … 1; 0 where one of the two does not vary.
 pub fn correlation(pairs: impl Iterator<Item = (f32, f32)> + Clone) -> f32 {
-    let mut mean = (0.0f64, 0.0f64, 0.0f64);
-    for (a, b) in pairs.clone() {
-        mean = (mean.0 + f64::from(a), mean.1 + f64::from(b), mean.2 + 1.0);
+    Moments::of(pairs).correlation()
+}
+
+/// Means, spreads and covariance of pairs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// Means of the first and of the second numbers.
+    pub mean: [f64; 2],
+    /// Their standard deviations.
+    pub spread: [f64; 2],
+    /// Their covariance.
+    pub covariance: f64,
+}
+
+impl Moments {
+    /// Of pairs; all zero where there are none.
+    pub fn of(pairs: impl Iterator<Item = (f32, f32)> + Clone) -> Self {
+        let (mut sums, mut count) = ([0.0f64; 2], 0.0f64);
+        for (a, b) in pairs.clone() {
+            sums = [sums[0] + f64::from(a), sums[1] + f64::from(b)];
+            count += 1.0;
+        }
+        let count = count.max(1.0);
+        let mean = sums.map(|sum| sum / count);
+        let (mut squares, mut products) = ([0.0; 2], 0.0);
+        for (a, b) in pairs {
+            let (a, b) = (f64::from(a) - mean[0], f64::from(b) - mean[1]);
+            squares = [squares[0] + a * a, squares[1] + b * b];
+            products += a * b;
+        }
+        Self { mean, spread: squares.map(|sum| (sum / count).sqrt()), covariance: products / count }
     }
-    let (a0, b0) = (mean.0 / mean.2.max(1.0), mean.1 / mean.2.max(1.0));
-    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (a, b) in pairs {
-        let (a, b) = (f64::from(a) - a0, f64::from(b) - b0);
-        (aa, bb, ab) = (aa + a * a, bb + b * b, ab + a * b);
+
+    /// Pearson's correlation, −1 … 1; 0 where one of the two does not vary.
+    pub fn correlation(&self) -> f32 {
+        let [a, b] = self.spread;
+        if a * b > 1e-9 { (self.covariance / (a * b)) as f32 } else { 0.0 }
     }
-    if aa * bb > 1e-18 { (ab / (aa * bb).sqrt()) as f32 } else { 0.0 }
 }
 
 fn ranks(values: &[f32]) -> Vec<f32> {

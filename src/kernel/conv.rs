@@ -4,6 +4,7 @@ use std::mem::MaybeUninit;
 use std::sync::atomic::AtomicBool;
 
 use super::driver::Valid;
+use super::ending::{Ending, Limits};
 use super::gradient;
 use super::isa::Isa;
 use super::pack::Packed;
@@ -49,6 +50,16 @@ impl Conv {
         assert_eq!(x.len(), self.shape.input_len(), "length of the input");
         let row = self.row_of(x, self.shape.channels_in);
         self.pad_input_with(|target, at| target.copy_from_slice(row(at)))
+    }
+
+    /// The padded copy of `x` `[n, c_in, v, y, x]` kept within limits.
+    pub fn pad_input_within(&self, x: &[f32], limits: Limits) -> Padded {
+        if !limits.are_some() {
+            return self.pad_input(x);
+        }
+        assert_eq!(x.len(), self.shape.input_len(), "length of the input");
+        let row = self.row_of(x, self.shape.channels_in);
+        self.pad_input_with(|target, at| target.iter_mut().zip(row(at)).for_each(|(t, value)| *t = limits.of(*value)))
     }
 
     /// The padded copy of an input whose rows (of `width` values) are written by `fill`; it gets them zeroed. Saves
@@ -122,7 +133,23 @@ impl Conv {
         out: &mut [MaybeUninit<f32>],
         cancel: Option<&AtomicBool>,
     ) -> Result<(), Cancelled> {
-        self.valid(x, weights, bias.unwrap_or_default(), activation).run(out, false, cancel).map(|_| ())
+        self.forward_onto(x, weights, (bias.unwrap_or_default(), activation), Ending::default(), out, cancel)
+    }
+
+    /// `ending(act(w ∗ x + bias))` into memory of the caller. After `Ok` every value of `out` is written.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `cancel` is set.
+    pub fn forward_onto(
+        &self,
+        x: &Padded,
+        weights: &Packed,
+        (bias, activation): (&[f32], Activation),
+        ending: Ending,
+        out: &mut [MaybeUninit<f32>],
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Cancelled> {
+        Valid { ending, ..self.valid(x, weights, bias, activation) }.run(out, false, cancel).map(|_| ())
     }
 
     /// `w ∗ x` (no bias, no activation) `[n, c_out, v, y, x]`, and its sums for batch normalisation.
@@ -139,7 +166,7 @@ impl Conv {
         let expected = Layout { margin: self.shape.reach(), size: self.shape.size(), ..x.layout };
         assert_eq!(x.layout, expected, "an input padded for another convolution");
         let ConvShape { kernel, dilation, .. } = self.shape;
-        Valid { isa: self.isa, x, weights, bias, kernel, dilation, activation }
+        Valid { isa: self.isa, x, weights, bias, kernel, dilation, activation, ending: Ending::default() }
     }
 
     /// The gradient with respect to the input, `[n, c_in, v, y, x]`. With edge padding, what falls on the margin is

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use super::ending::Ending;
 use super::isa::{Isa, on_isa};
 use super::pack::{BLOCK, Packed};
 use super::padded::{Padded, SendPtr};
@@ -22,6 +23,7 @@ pub(super) struct Valid<'a> {
     pub(super) kernel: Kernel,
     pub(super) dilation: usize,
     pub(super) activation: Activation,
+    pub(super) ending: Ending<'a>,
 }
 
 /// How the rows of the result are shared out.
@@ -51,6 +53,7 @@ impl Valid<'_> {
         let (batch, channels) = (self.x.layout.batch, self.weights.channels_out);
         assert_eq!(out.len(), batch * channels * views * rows * columns, "length of the result");
         assert_eq!(self.x.layout.channels, self.weights.channels_in, "channels of input and weights");
+        assert!(self.ending.summand.is_none_or(|summand| summand.len() == out.len()), "length of the summand");
         let out = SendPtr(out.as_mut_ptr().cast());
         let blocks = rows.div_ceil(plan.block_rows);
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
@@ -115,6 +118,14 @@ impl Valid<'_> {
                 let out = unsafe { out.at(image_out + (view * height + y) * width) };
                 self.rows(plan, self.x.row(image, view, y), last - y, out, next);
             }
+            if self.ending.is_some() {
+                let first = image_out + (view * height + rows.start) * width;
+                self.end(
+                    out,
+                    (0..self.weights.channels_out).map(|channel| first + channel * plane),
+                    rows.len() * width,
+                );
+            }
             for (channel, sums) in sums.iter_mut().enumerate() {
                 // SAFETY: written above, by this task.
                 let written = unsafe {
@@ -124,6 +135,16 @@ impl Valid<'_> {
                 let [sum, squares] = on_isa!(self.isa, sum_and_squares(written));
                 *sums = [sums[0] + sum, sums[1] + squares];
             }
+        }
+    }
+
+    /// Ends pieces of the result of `len` values each, while they are in cache.
+    fn end(&self, out: SendPtr, firsts: impl Iterator<Item = usize>, len: usize) {
+        for first in firsts {
+            // SAFETY: written by this task, and by no other.
+            let written = unsafe { std::slice::from_raw_parts_mut(out.at(first), len) };
+            let summand = self.ending.summand.map_or(&[][..], |summand| &summand[first..first + len]);
+            on_isa!(self.isa, end_row(written, summand, self.ending.limits));
         }
     }
 
@@ -168,10 +189,12 @@ impl Valid<'_> {
         let tap_rows = plan.taps.len() / plan.tap_columns;
         let segments = tap_rows * tile.channels_in;
         let per_block = segments.div_ceil(blocks);
+        // Of a tile's row, and one more as it begins anywhere in the first.
+        let lines = (max_vectors(self.isa.lanes(), self.weights.channels_out) * self.isa.lanes() / LINE + 1).min(4);
         for block in 0..blocks {
             for segment in block * per_block..((block + 1) * per_block).min(segments) {
                 let (row, channel) = (segment / tile.channels_in, segment % tile.channels_in);
-                prefetch(next.wrapping_add(plan.taps[row * plan.tap_columns] + channel * tile.channel_step));
+                prefetch(next.wrapping_add(plan.taps[row * plan.tap_columns] + channel * tile.channel_step), lines);
             }
             tile.weights = self.weights.block(block).as_ptr();
             tile.bias = plan.bias[block * BLOCK..].as_ptr();
@@ -183,15 +206,18 @@ impl Valid<'_> {
     }
 }
 
-/// Asks for the 256 bytes from `at` on.
+/// Values in a line of the cache.
+const LINE: usize = 16;
+
+/// Asks for some lines of the cache from `at` on.
 #[inline(always)]
-fn prefetch(at: *const f32) {
+fn prefetch(at: *const f32, lines: usize) {
     #[cfg(target_arch = "x86_64")]
-    for line in 0..4 {
+    for line in 0..lines {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         // SAFETY: a prefetch of any address is harmless, and every x86-64 has it.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.wrapping_add(16 * line).cast()) };
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.wrapping_add(LINE * line).cast()) };
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = at;
+    let _ = (at, lines);
 }

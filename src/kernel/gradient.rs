@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::driver::Valid;
+use super::ending::Ending;
 use super::isa::{Isa, on_isa};
 use super::pack::{BLOCK, Packed};
 use super::padded::{Padded, SendPtr};
@@ -25,8 +26,8 @@ pub(super) fn data(shape: &ConvShape, isa: Isa, gradient: &Padded, weights: &[f3
     assert_eq!(weights.len(), shape.weights_len(), "number of weights");
     let weights = Packed::transposed(weights, shape.channels_out, shape.channels_in, shape.kernel);
     let (kernel, dilation) = (shape.kernel, shape.dilation);
-    let valid =
-        Valid { isa, x: gradient, weights: &weights, bias: &[], kernel, dilation, activation: Activation::None };
+    let (activation, ending) = (Activation::None, Ending::default());
+    let valid = Valid { isa, x: gradient, weights: &weights, bias: &[], kernel, dilation, activation, ending };
     let reach = if shape.padding == Padding::Edge { shape.reach() } else { [0; 3] };
     let outer: usize = (0..3).map(|axis| shape.size()[axis] + 2 * reach[axis]).product();
     let len = shape.batch * shape.channels_in * outer;

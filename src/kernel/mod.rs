@@ -50,6 +50,7 @@ pub mod background;
 pub mod blocks;
 mod conv;
 mod driver;
+mod ending;
 mod gradient;
 mod isa;
 pub mod norm;
@@ -76,6 +77,7 @@ mod avx512;
 mod tests;
 
 pub use conv::{Conv, Sums};
+pub use ending::{Ending, Limits};
 pub use isa::Isa;
 pub use pack::Packed;
 pub use padded::{Padded, RowAt};

@@ -126,7 +126,7 @@ macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
         use $crate::kernel::winograd::batch::{pixels, products, tiles, weights};
         use $crate::kernel::winograd::{plane_tile, volume_tile};
-        use $crate::kernel::{norm, peak, product, resize, tile, token, weight_tile};
+        use $crate::kernel::{ending, norm, peak, product, resize, tile, token, weight_tile};
 
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
@@ -246,6 +246,12 @@ macro_rules! entry_points {
         pub(in crate::kernel) unsafe fn activate(values: &mut [f32], activation: tile::Activation) {
             // SAFETY: the caller's word.
             unsafe { norm::rows::activate::<$vector>(values, activation) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn end_row(values: &mut [f32], summand: &[f32], limits: ending::Limits) {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::end_row::<$vector>(values, summand, limits) }
         }
 
         $(#[target_feature(enable = $features)])?

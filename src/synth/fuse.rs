@@ -1,7 +1,7 @@
 //! The depth that a phone measured together with the depth net's.
 
 use super::{SynthError, upsample};
-use crate::field::{DisparityMap, Filter, View, resample};
+use crate::field::{DisparityMap, Filter, Moments, View, correlation, resample};
 use crate::job::Job;
 
 /// Least correlation at which the net may set the phone's scale.
@@ -26,43 +26,19 @@ pub fn fuse(net: &DisparityMap, phone: &DisparityMap, guide: &View, job: &Job) -
 /// net's size.
 pub fn agreement(net: &DisparityMap, other: &DisparityMap) -> f32 {
     let other = resample::<1>(other.disparity_px(), other.size(), net.size(), Filter::Linear);
-    Moments::of(&other, net.disparity_px()).agreement()
-}
-
-/// Means, standard deviations and covariance of two maps.
-struct Moments {
-    mean: [f32; 2],
-    spread: [f32; 2],
-    covariance: f32,
-}
-
-impl Moments {
-    fn of(from: &[f32], to: &[f32]) -> Self {
-        let n = from.len() as f32;
-        let mean = [from, to].map(|values| values.iter().sum::<f32>() / n);
-        let spread = |values: &[f32], m: f32| (values.iter().map(|v| (v - m).powi(2)).sum::<f32>() / n).sqrt();
-        let spread = [spread(from, mean[0]), spread(to, mean[1])];
-        let covariance = from.iter().zip(to).map(|(f, t)| (f - mean[0]) * (t - mean[1])).sum::<f32>() / n;
-        Self { mean, spread, covariance }
-    }
-
-    /// The correlation; none of what does not vary.
-    fn agreement(&self) -> f32 {
-        let [from, to] = self.spread;
-        if from.min(to) < 1e-6 { 0.0 } else { self.covariance / (from * to) }
-    }
+    correlation(other.iter().copied().zip(net.disparity_px().iter().copied()))
 }
 
 /// Gain and shift that bring `from` nearest to `to` (least squares), with the gain kept positive.
 fn affine_fit(from: &[f32], to: &[f32]) -> (f32, f32) {
-    let moments = Moments::of(from, to);
+    let moments = Moments::of(from.iter().copied().zip(to.iter().copied()));
     let ([from_mean, to_mean], [from_spread, to_spread]) = (moments.mean, moments.spread);
     if from_spread < 1e-6 {
-        return (1.0, to_mean - from_mean);
+        return (1.0, (to_mean - from_mean) as f32);
     }
-    let agrees = moments.agreement() > AGREES;
+    let agrees = moments.correlation() > AGREES;
     let gain = if agrees { moments.covariance / from_spread.powi(2) } else { to_spread.max(0.1) / from_spread };
-    (gain, to_mean - gain * from_mean)
+    (gain as f32, (to_mean - gain * from_mean) as f32)
 }
 
 #[cfg(test)]

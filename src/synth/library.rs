@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
+use super::tract::{OnnxBytes, OnnxFile, Wiring};
 use super::{Manifest, ModelError, Task};
 use crate::field::ViewGrid;
 
@@ -42,20 +43,71 @@ pub struct ModelIndex {
     pub occlusion: Option<String>,
 }
 
-/// A model as it was read: its manifest and its ONNX file, checked against each other.
+/// A model: its manifest and its ONNX file, checked against each other.
 #[derive(Clone, Debug)]
 pub struct ModelFile {
     /// What it says about itself.
     pub manifest: Manifest,
     /// The ONNX file.
-    pub onnx: Cow<'static, [u8]>,
+    pub onnx: ModelBytes,
+    /// Bytes of the ONNX file and of those beside it.
+    pub bytes: u64,
     /// The folder that its further files lie in, where it has some.
     pub folder: Option<PathBuf>,
     /// Where it came from, for errors.
     pub place: String,
 }
 
+/// Where the ONNX file of a model is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ModelBytes {
+    /// In the program.
+    Embedded(&'static [u8]),
+    /// On the disk, from where it is read each time it is made ready.
+    File(PathBuf),
+}
+
+impl ModelBytes {
+    /// As the engine takes it.
+    pub fn as_onnx(&self) -> OnnxBytes<'_> {
+        match self {
+            Self::Embedded(bytes) => OnnxBytes::Memory(bytes),
+            Self::File(path) => OnnxBytes::File(path),
+        }
+    }
+
+    /// The whole file.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(&self) -> std::io::Result<Cow<'static, [u8]>> {
+        match self {
+            Self::Embedded(bytes) => Ok(Cow::Borrowed(bytes)),
+            Self::File(path) => fs::read(path).map(Cow::Owned),
+        }
+    }
+}
+
 impl ModelFile {
+    /// As the engine takes it.
+    pub fn onnx<'a>(&'a self, wiring: &'a Wiring) -> OnnxFile<'a> {
+        OnnxFile { bytes: self.onnx.as_onnx(), folder: self.folder.as_deref(), wiring }
+    }
+
+    /// Checks that the ONNX file still is the one that the manifest describes.
+    pub(super) fn check(&self) -> Result<(), ModelError> {
+        let sum = match &self.onnx {
+            ModelBytes::Embedded(bytes) => sha256(bytes),
+            ModelBytes::File(path) => {
+                checksum(path).map_err(|source| ModelError::Unreadable { path: path.clone(), source })?
+            }
+        };
+        if sum == self.manifest.sha256.to_lowercase() {
+            return Ok(());
+        }
+        Err(ModelError::Tampered { id: self.manifest.id.clone(), place: self.place.clone() })
+    }
+
     /// Checks that its views are those of the depth net in use.
     pub(super) fn check_grid(&self, wanted: ViewGrid) -> Result<(), ModelError> {
         let own = self.manifest.grid()?;
@@ -79,13 +131,20 @@ impl ModelSource {
     /// Reads one model and checks its task and checksum.
     pub fn model(&self, id: &str, task: Task) -> Result<ModelFile, ModelError> {
         let manifest = self.manifest(id, task)?;
-        let file = format!("{id}/{}", manifest.file);
-        let onnx = self.bytes(&file)?;
-        if sha256(&onnx) != manifest.sha256.to_lowercase() {
-            return Err(ModelError::Tampered { id: manifest.id, place: self.place(&file) });
-        }
-        let folder = self.data_folder(id, &manifest)?;
-        Ok(ModelFile { manifest, onnx, folder, place: self.place(&file) })
+        let name = format!("{id}/{}", manifest.file);
+        let (onnx, own_bytes) = match self {
+            Self::Embedded => embedded(&name).map(|bytes| (ModelBytes::Embedded(bytes), bytes.len() as u64))?,
+            Self::Folder(folder) => {
+                let path = folder.join(&name);
+                let bytes = fs::metadata(&path).map(|about| about.len());
+                (ModelBytes::File(path.clone()), bytes.map_err(|source| ModelError::Unreadable { path, source })?)
+            }
+        };
+        let (folder, further_bytes) = self.data_folder(id, &manifest)?;
+        let bytes = own_bytes + further_bytes;
+        let file = ModelFile { manifest, onnx, bytes, folder, place: self.place(&name) };
+        file.check()?;
+        Ok(file)
     }
 
     /// Reads what a model says of itself and checks its task; its files are not looked at.
@@ -104,17 +163,20 @@ impl ModelSource {
         Ok(manifest)
     }
 
-    /// The folder of a model's further files, each checked; none where the model is one file.
-    fn data_folder(&self, id: &str, manifest: &Manifest) -> Result<Option<PathBuf>, ModelError> {
-        let Self::Folder(folder) = self else { return Ok(None) };
+    /// The folder of a model's further files, each checked, and their bytes; none where the model is one file.
+    fn data_folder(&self, id: &str, manifest: &Manifest) -> Result<(Option<PathBuf>, u64), ModelError> {
+        let Self::Folder(folder) = self else { return Ok((None, 0)) };
+        let mut bytes = 0;
         for (name, sha256) in &manifest.data_files {
             let path = folder.join(id).join(name);
-            let found = checksum(&path).map_err(|source| ModelError::Unreadable { path: path.clone(), source })?;
+            let read = || Ok((checksum(&path)?, fs::metadata(&path)?.len()));
+            let (found, len) = read().map_err(|source| ModelError::Unreadable { path: path.clone(), source })?;
+            bytes += len;
             if found != sha256.to_lowercase() {
                 return Err(ModelError::Tampered { id: id.to_owned(), place: path.display().to_string() });
             }
         }
-        Ok((!manifest.data_files.is_empty()).then(|| folder.join(id)))
+        Ok(((!manifest.data_files.is_empty()).then(|| folder.join(id)), bytes))
     }
 
     /// Where the pair of nets comes from: a folder of `relative-depth` models alone leaves those in the program in use.
@@ -146,6 +208,12 @@ impl ModelSource {
         ids
     }
 
+    /// Names and checksums of [`further_models`](Self::further_models).
+    pub fn further_tags(&self) -> Vec<ModelTag> {
+        let tag = |id: String| Some(self.manifest(&id, self.depth_task(&id)?).ok()?.tag());
+        self.further_models().into_iter().filter_map(tag).collect()
+    }
+
     /// What a model is for, where that is depth.
     fn depth_task(&self, id: &str) -> Option<Task> {
         let path = format!("{id}/manifest.toml");
@@ -173,11 +241,7 @@ impl ModelSource {
 
     fn bytes(&self, path: &str) -> Result<Cow<'static, [u8]>, ModelError> {
         match self {
-            Self::Embedded => EMBEDDED
-                .iter()
-                .find(|(name, _)| *name == path)
-                .map(|(_, content)| Cow::Borrowed(*content))
-                .ok_or_else(|| ModelError::NotEmbedded { path: path.to_owned() }),
+            Self::Embedded => embedded(path).map(Cow::Borrowed),
             Self::Folder(folder) => {
                 let path = folder.join(path);
                 fs::read(&path).map(Cow::Owned).map_err(|source| ModelError::Unreadable { path, source })
@@ -191,6 +255,12 @@ impl ModelSource {
             Self::Folder(folder) => folder.join(path).display().to_string(),
         }
     }
+}
+
+/// A file in the program.
+fn embedded(path: &str) -> Result<&'static [u8], ModelError> {
+    let found = EMBEDDED.iter().find(|(name, _)| *name == path).map(|(_, content)| *content);
+    found.ok_or_else(|| ModelError::NotEmbedded { path: path.to_owned() })
 }
 
 /// Checksum of a file, read a piece at a time: weights can be larger than the memory that is free.

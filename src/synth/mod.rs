@@ -34,7 +34,7 @@ pub mod tract;
 pub mod upsample;
 
 pub use error::{ModelError, SynthError};
-pub use library::{ModelFile, ModelIndex, ModelSource, ModelTag};
+pub use library::{ModelBytes, ModelFile, ModelIndex, ModelSource, ModelTag};
 pub use manifest::{
     Channels, ColourOrder, Layout, LongSides, Manifest, RayDepthsFrom, RelativeOutput, RelativeRules, Task,
 };

@@ -2,15 +2,15 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::tract::{EngineError, OnnxFile, Options, Output, Runnable, Wiring, prepare_file};
+use super::tract::{EngineError, Options, Output, Runnable, SharedWeights, Wiring, prepare_file};
 use super::{Manifest, ModelError, ModelFile, SynthError};
 use crate::job::{Cancel, Cancelled};
 use crate::kernel::winograd::VolumeChain;
 
 /// Shapes that are kept ready at most; the oldest goes first.
 const WARM_SHAPES: usize = 8;
-/// Weights of all shapes that are kept ready, as each has its own; of a larger net one shape is kept.
-const WARM_BYTES: usize = 256 << 20;
+/// Bytes of a net from which on one shape is kept ready: before the next one is, its weights are unpacked again.
+const HEAVY_BYTES: u64 = 512 << 20;
 /// Side of the small picture that a model is tried with when it is loaded.
 const TRIAL_SIDE: usize = 16;
 
@@ -21,6 +21,7 @@ pub(super) struct Net {
     /// The net for every size, where it is that simple.
     chain: Option<VolumeChain>,
     warm: Mutex<Vec<(usize, Runnable)>>,
+    weights: SharedWeights,
 }
 
 impl Net {
@@ -33,7 +34,8 @@ impl Net {
         let mut net = Self::unchecked(file);
         let side = TRIAL_SIDE.max(net.manifest().multiple_of as usize);
         let options = Options { threads: 1, ..Options::default() };
-        let trial = prepare_file(&net.onnx(), &input(side, side), &options).map_err(|error| net.engine(error))?;
+        let trial = prepare_file(&net.file.onnx(&net.wiring), &input(side, side), &options)
+            .map_err(|error| net.engine(error))?;
         let (got, want) = (trial.output_shape(), output(side, side));
         if got != want {
             return Err(net.shape(got, &want));
@@ -45,7 +47,7 @@ impl Net {
     /// Takes a model whose answer is looked at only when it comes.
     pub(super) fn unchecked(file: ModelFile) -> Self {
         let wiring = file.manifest.relative.wiring();
-        Self { file, wiring, chain: None, warm: Mutex::default() }
+        Self { file, wiring, chain: None, warm: Mutex::default(), weights: SharedWeights::default() }
     }
 
     /// What is said of an answer that is not one map.
@@ -96,21 +98,18 @@ impl Net {
         Err(ModelError::NotFinite { id: self.manifest().id.clone(), place: self.file.place.clone() }.into())
     }
 
-    fn onnx(&self) -> OnnxFile<'_> {
-        OnnxFile { bytes: &self.file.onnx, folder: self.file.folder.as_deref(), wiring: &self.wiring }
-    }
-
     fn ready(&self, shape: &[usize], threads: usize) -> Result<Runnable, SynthError> {
         let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, net)) = warm.iter().find(|(n, net)| *n == threads && net.input_shape() == shape) {
             return Ok(net.clone());
         }
-        let kept = (WARM_BYTES / self.file.onnx.len().max(1)).clamp(1, WARM_SHAPES);
+        let kept = if self.file.bytes > HEAVY_BYTES { 0 } else { WARM_SHAPES - 1 };
         // Before the next one comes, so that a large net is never in memory twice.
-        let gone = (warm.len() + 1).saturating_sub(kept);
+        let gone = warm.len().saturating_sub(kept);
         warm.drain(..gone);
-        let options = Options { threads, ..Options::default() };
-        let net = prepare_file(&self.onnx(), shape, &options).map_err(|error| self.synth(error))?;
+        self.file.check()?;
+        let options = Options { threads, weights: self.weights.clone(), ..Options::default() };
+        let net = prepare_file(&self.file.onnx(&self.wiring), shape, &options).map_err(|error| self.synth(error))?;
         warm.push((threads, net.clone()));
         Ok(net)
     }

@@ -10,11 +10,12 @@ use super::depth::{DepthNet, NetDepths};
 use super::far_side::FarSide;
 use super::occlusion::OcclusionNet;
 use super::picture::{Signed, reference_view};
+use super::range::Estimate;
 use super::relative::RelativeNet;
 use super::{
     DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task,
 };
-use super::{fuse, lambertian, lift, memory, range, tract, upsample};
+use super::{fuse, lambertian, lift, memory, tract, upsample};
 use crate::field::{
     DisparityMap, Filter, LightField, Photo, RayDepths, Size, View, ViewGrid, ViewIndex, disparity_scale,
     fit_long_side, nearest, pixels, resample,
@@ -175,15 +176,16 @@ impl Synthesizer {
             return Ok((map.resized(reference.size())?, None));
         }
         let threads = params.threads;
+        let measured = |phone: &Estimate| phone.disparity(&params.camera, None);
         let map = match (&params.source, &params.phone) {
             (DepthSource::Model(id), _) => match &*self.further(id)? {
                 Further::Ray(net) => return refined(net, reference, threads, job),
                 Further::Relative(net) => net.estimate(photo, reference, params, job)?,
             },
-            (DepthSource::Phone, Some(phone)) => upsample::to_guide(&range::of_phone(phone)?, reference, job)?,
+            (DepthSource::Phone, Some(phone)) => upsample::to_guide(&measured(phone)?, reference, job)?,
             (DepthSource::Fused, Some(phone)) => {
                 let net = self.depth.estimate(reference, threads, job)?.reference()?;
-                fuse::fuse(&net, &range::of_phone(phone)?, reference, job)?
+                fuse::fuse(&net, &measured(phone)?, reference, job)?
             }
             (source, _) => {
                 if *source != DepthSource::Network {
@@ -223,6 +225,14 @@ impl Synthesizer {
     /// There is none of that name, or what is wrong with it.
     pub fn check(&self, id: &str) -> Result<(), ModelError> {
         self.further(id).map(|_| ())
+    }
+
+    /// The name that a further model has here, by its checksum: its own where that is free to choose; none where it is
+    /// not here.
+    pub fn name_of(&self, wanted: &ModelTag) -> Option<String> {
+        let tags = self.sources.iter().flat_map(ModelSource::further_tags);
+        let same: Vec<ModelTag> = tags.filter(|tag| tag.sha256 == wanted.sha256).collect();
+        same.iter().find(|tag| tag.id == wanted.id).or(same.first()).map(|tag| tag.id.clone())
     }
 
     fn no_source(&self, id: &str) -> ModelError {

@@ -1,6 +1,7 @@
 //! The loops over one row, for any vector type. All slices of a call have the same length.
 
 use super::Channel;
+use crate::kernel::ending::Limits;
 use crate::kernel::tile::{self, Activation};
 use crate::kernel::vector::{Vector, elu, elu_slope};
 
@@ -58,6 +59,22 @@ pub(in crate::kernel) unsafe fn activate<V: Vector>(values: &mut [f32], activati
             let x: V = load(values, at, n);
             let y = tile::activate(x, activation);
             store(values.as_mut_ptr(), at, n, y);
+        });
+    }
+}
+
+/// Adds a summand, if there is one, and keeps the sums within limits.
+#[inline(always)]
+pub(in crate::kernel) unsafe fn end_row<V: Vector>(values: &mut [f32], summand: &[f32], limits: Limits) {
+    // SAFETY: as above; a summand has as many values.
+    unsafe {
+        for_vectors!(V, values.len(), |at, n| {
+            let mut x: V = load(values, at, n);
+            if !summand.is_empty() {
+                x = x.add(load(summand, at, n));
+            }
+            x = V::splat(limits.high).min(V::splat(limits.low).max(x));
+            store(values.as_mut_ptr(), at, n, x);
         });
     }
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::panels::Panels;
 use super::tile::{Block, Finish};
 use crate::job::Cancelled;
+use crate::kernel::ending::Limits;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
 use crate::kernel::tile::Activation;
@@ -23,6 +24,8 @@ pub struct Dense<'a> {
     pub bias: &'a [f32],
     /// What follows.
     pub activation: Activation,
+    /// What the result is kept within, after something was added.
+    pub limits: Limits,
 }
 
 /// Rows of a task at most: they stay in the cache while the weights go by.
@@ -74,6 +77,7 @@ impl Dense<'_> {
                     finish: Finish {
                         column_bias: bias.as_ptr(),
                         activation: self.activation,
+                        limits: self.limits,
                         summand: if summand.0.is_null() { summand.0 } else { summand.at(first * columns) },
                         ..Finish::PLAIN
                     },

@@ -64,11 +64,21 @@ impl Patches {
                 continue;
             }
             let source = &plane[row * row_len..][..row_len];
-            for (target, x) in target.iter_mut().zip(x..) {
-                let column = (x * self.stride[1] + offset[1]).wrapping_sub(self.before[1]);
-                if let Some(value) = source.get(column) {
-                    *target = *value;
-                }
+            // Columns of the patches that lie in the picture.
+            let at = |x: usize| x * self.stride[1] + offset[1];
+            let inside = |x: &usize| (self.before[1]..self.before[1] + row_len).contains(&at(*x));
+            let skipped = (x..x + count).take_while(|x| at(*x) < self.before[1]).count();
+            let Some(first) = Some(x + skipped).filter(inside) else { continue };
+            let source = &source[at(first) - self.before[1]..];
+            let target = &mut target[skipped..];
+            if self.stride[1] == 1 {
+                let n = source.len().min(target.len());
+                target[..n].copy_from_slice(&source[..n]);
+            } else {
+                target
+                    .iter_mut()
+                    .zip(source.iter().step_by(self.stride[1]))
+                    .for_each(|(target, value)| *target = *value);
             }
         }
     }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::patches::Patches;
 use super::tile::{Block, Finish, VECTORS};
 use crate::job::Cancelled;
+use crate::kernel::ending::Limits;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
 use crate::kernel::tile::Activation;
@@ -24,6 +25,8 @@ pub struct Project<'a> {
     pub bias: &'a [f32],
     /// What follows.
     pub activation: Activation,
+    /// What the result is kept within, after something was added.
+    pub limits: Limits,
 }
 
 /// Where the right matrix `[depth, pixels]` comes from.
@@ -83,6 +86,7 @@ impl Project<'_> {
                     finish: Finish {
                         row_bias: self.bias.as_ptr().add(rows.start),
                         activation: self.activation,
+                        limits: self.limits,
                         summand: summand.as_ref().map_or(std::ptr::null(), |summand| summand.at(at)),
                         ..Finish::PLAIN
                     },
@@ -141,16 +145,19 @@ impl Columns<'_> {
 
     /// Packs some pixels as `[panel][depth][pixel of the panel]`; what fills no panel is 0.
     fn pack(&self, depth: usize, pixels: usize, columns: Range<usize>, width: usize, packed: &mut Vec<f32>) {
-        packed.clear();
         packed.resize(columns.len().div_ceil(width) * depth * width, 0.0);
+        // What is not written below: the end of the last panel, and what patches have outside of the picture.
+        let first_kept = if matches!(self, Self::Patches(..)) { 0 } else { columns.len() / width * depth * width };
+        packed[first_kept..].fill(0.0);
         let panels = || columns.clone().step_by(width).map(|first| first..(first + width).min(columns.end)).enumerate();
         match self {
             Self::Planes(x) => {
                 // Along the rows of all panels, so that few pages are open at a time.
                 for k in 0..depth {
-                    for (panel, pixels_of) in panels() {
-                        let target = &mut packed[(panel * depth + k) * width..][..pixels_of.len()];
-                        target.copy_from_slice(&x[k * pixels..][pixels_of]);
+                    let row = &x[k * pixels..][columns.clone()];
+                    match width {
+                        16 => pack_row::<16>(row, &mut packed[k * width..], depth),
+                        _ => pack_row::<32>(row, &mut packed[k * width..], depth),
                     }
                 }
             }
@@ -169,5 +176,18 @@ impl Columns<'_> {
                 }
             }
         }
+    }
+}
+
+/// Copies a row to every panel of `W` columns; `target` begins with its place in the first.
+fn pack_row<const W: usize>(row: &[f32], target: &mut [f32], depth: usize) {
+    let (whole, rest) = row.as_chunks::<W>();
+    let mut at = 0;
+    for chunk in whole {
+        target[at..at + W].copy_from_slice(chunk);
+        at += depth * W;
+    }
+    if !rest.is_empty() {
+        target[at..at + rest.len()].copy_from_slice(rest);
     }
 }

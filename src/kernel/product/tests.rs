@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use super::*;
 use crate::job::Cancelled;
 use crate::kernel::resize::{Taps, resize};
-use crate::kernel::{Activation, Isa, norm, numbers, token};
+use crate::kernel::{Activation, Isa, Limits, norm, numbers, token};
 
 /// |a − b| ≤ 1e-5 · (1 + the largest |b|).
 fn assert_close(a: &[f32], b: &[f32], what: &str) {
@@ -53,7 +53,7 @@ fn a_product_with_weights_agrees_with_plain_sums() {
         for isa in Isa::all() {
             let weights = Panels::of(isa, [depth, columns], |k, c| w[k * columns + c]);
             let activation = Activation::Clamp { low: 0.0, high: f32::INFINITY };
-            let dense = Dense { isa, weights: &weights, bias: &bias, activation };
+            let dense = Dense { isa, weights: &weights, bias: &bias, activation, limits: Limits::NONE };
             let got = written(rows * columns, |out| dense.run(&x, Some(&more), out, None));
             assert_close(&got, &want, &format!("{isa} {rows}×{depth}×{columns}"));
         }
@@ -72,7 +72,8 @@ fn a_product_with_planes_agrees_with_plain_sums() {
             let want: Vec<f32> = sums.iter().enumerate().map(|(i, s)| s + bias[i / pixels] + more[i]).collect();
             for isa in Isa::all() {
                 let columns = if pixels_first { Columns::PixelsFirst(&x) } else { Columns::Planes(&x) };
-                let project = Project { isa, weights: &w, bias: &bias, activation: Activation::None };
+                let project =
+                    Project { isa, weights: &w, bias: &bias, activation: Activation::None, limits: Limits::NONE };
                 let got = written(channels * pixels, |out| project.run(columns, Some(&more), out, None));
                 assert_close(&got, &want, &format!("{isa} {channels}×{depth}×{pixels} {pixels_first}"));
             }
@@ -104,7 +105,7 @@ fn patches_are_those_of_a_convolution() {
         let sums = plainly([7, p.depth(), p.pixels()], |r, k| w[r * p.depth() + k], at);
         let want: Vec<f32> = sums.iter().enumerate().map(|(i, s)| s + bias[i / p.pixels()]).collect();
         for isa in Isa::all() {
-            let project = Project { isa, weights: &w, bias: &bias, activation: Activation::None };
+            let project = Project { isa, weights: &w, bias: &bias, activation: Activation::None, limits: Limits::NONE };
             let got = written(want.len(), |out| project.run(Columns::Patches(&x, &p), None, out, None));
             assert_close(&got, &want, &format!("{isa} {p:?}"));
         }
@@ -253,9 +254,9 @@ fn a_set_flag_stops_them_all() {
     let mut out = vec![std::mem::MaybeUninit::new(0.0); 64];
     let weights = Panels::of(isa, [8, 8], |_, _| 0.0);
     let (x, bias, activation) = ([0.0; 64], [0.0; 8], Activation::None);
-    let dense = Dense { isa, weights: &weights, bias: &bias, activation };
+    let dense = Dense { isa, weights: &weights, bias: &bias, activation, limits: Limits::NONE };
     assert_eq!(dense.run(&x, None, &mut out, Some(&stop)), Err(Cancelled));
-    let project = Project { isa, weights: &x, bias: &bias, activation };
+    let project = Project { isa, weights: &x, bias: &bias, activation, limits: Limits::NONE };
     assert_eq!(project.run(Columns::Planes(&x), None, &mut out, Some(&stop)), Err(Cancelled));
     let attention = attention(1, [8; 4], [0, 0]);
     assert_eq!(attention.run(isa, [&x, &x, &x], None, &mut out, Some(&stop)), Err(Cancelled));

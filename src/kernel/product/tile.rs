@@ -3,6 +3,7 @@
 //! With 32 registers of 16 values a tile is 12 rows × 32 columns: 24 sums, two vectors of the right matrix, and the value
 //! of the left one comes from memory as an operand. With 16 registers of 8 values it is 6 rows × 16 columns.
 
+use crate::kernel::ending::Limits;
 use crate::kernel::tile::{Activation, activate};
 use crate::kernel::vector::Vector;
 
@@ -22,6 +23,8 @@ pub(in crate::kernel) struct Finish {
     pub(in crate::kernel) activation: Activation,
     /// Then this is added, laid out as the result. Null adds nothing.
     pub(in crate::kernel) summand: *const f32,
+    /// And the sum is kept within these.
+    pub(in crate::kernel) limits: Limits,
 }
 
 impl Finish {
@@ -32,6 +35,7 @@ impl Finish {
         row_factor: std::ptr::null(),
         activation: Activation::None,
         summand: std::ptr::null(),
+        limits: Limits::NONE,
     };
 
     /// The same, from another row and column on.
@@ -198,6 +202,9 @@ unsafe fn finished<V: Vector>(sum: V, finish: &Finish, row: usize, column: usize
         value = activate(value, finish.activation);
         if !finish.summand.is_null() {
             value = value.add(load::<V>(finish.summand.add(at), left));
+        }
+        if finish.limits.are_some() {
+            value = V::splat(finish.limits.high).min(V::splat(finish.limits.low).max(value));
         }
         value
     }

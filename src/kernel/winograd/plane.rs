@@ -10,6 +10,7 @@ use super::Layer;
 use super::plane_tile::{COMPONENTS, GROUP, TILES, Tiles, scratch_len};
 use super::transform::{POINTS, of_weights};
 use crate::job::Cancelled;
+use crate::kernel::ending::{Ending, Limits};
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
 use crate::kernel::shape::Padding;
@@ -46,6 +47,11 @@ impl PlaneChain {
         whole && channels_in * channels_out >= 1024
     }
 
+    /// Whether one such convolution gains by it, which the change to channel-last and back is charged to.
+    pub fn pays_alone(isa: Isa, channels: [usize; 2]) -> bool {
+        Self::pays(channels) && (isa.lanes() < 16 || channels[0] * channels[1] >= 4096)
+    }
+
     /// Transforms the weights of `layers`, all of which [pay](Self::pays); each takes the channels that the one before
     /// it makes.
     pub fn new(layers: &[Layer], isa: Isa) -> Self {
@@ -68,9 +74,30 @@ impl PlaneChain {
         out: &mut [MaybeUninit<f32>],
         cancel: Option<&AtomicBool>,
     ) -> Result<(), Cancelled> {
+        self.run_between(x, size, (Limits::NONE, Ending::default()), out, cancel)
+    }
+
+    /// The same on `x` kept within limits, and with an ending of its result.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once `cancel` is set.
+    pub fn run_between(
+        &self,
+        x: &[f32],
+        size: [usize; 2],
+        (before, ending): (Limits, Ending),
+        out: &mut [MaybeUninit<f32>],
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Cancelled> {
+        assert!(ending.summand.is_none_or(|summand| summand.len() == out.len()), "length of the summand");
         let pixels = size[0] * size[1];
         let mut values = room(x.len());
-        transpose(x, &mut values.spare_capacity_mut()[..x.len()], pixels);
+        let first = &mut values.spare_capacity_mut()[..x.len()];
+        if before.are_some() {
+            transpose(x, first, pixels, |_, value| before.of(value));
+        } else {
+            transpose(x, first, pixels, |_, value| value);
+        }
         // SAFETY: `transpose` has written all of it.
         unsafe { values.set_len(x.len()) };
         for layer in &self.layers {
@@ -81,7 +108,12 @@ impl PlaneChain {
             unsafe { next.set_len(len) };
             values = next;
         }
-        transpose(&values, out, self.channels_out());
+        let channels = self.channels_out();
+        if ending.is_some() {
+            transpose(&values, out, channels, |at, value| ending.of(at, value));
+        } else {
+            transpose(&values, out, channels, |_, value| value);
+        }
         Ok(())
     }
 }
@@ -90,8 +122,9 @@ fn room(len: usize) -> Vec<f32> {
     Vec::with_capacity(len)
 }
 
-/// `[columns, rows]` from `from` `[rows, columns]`, in squares that stay in cache.
-fn transpose(from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize) {
+/// `[columns, rows]` from `from` `[rows, columns]`, in squares that stay in cache; each value is what `of` its new place
+/// and itself says.
+fn transpose(from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize, of: impl Fn(usize, f32) -> f32 + Sync) {
     const SIDE: usize = 16;
     let rows = from.len() / columns;
     assert_eq!(from.len(), to.len(), "length of the transposed picture");
@@ -101,7 +134,8 @@ fn transpose(from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize) {
             for i in 0..width {
                 let to = &mut to[i * rows..(i + 1) * rows];
                 for row in first..(first + SIDE).min(rows) {
-                    to[row].write(from[row * columns + band * SIDE + i]);
+                    let at = (band * SIDE + i) * rows + row;
+                    to[row].write(of(at, from[row * columns + band * SIDE + i]));
                 }
             }
         }

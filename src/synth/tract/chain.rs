@@ -6,13 +6,13 @@ use tract_onnx::tract_core::internal::*;
 
 use super::op::{self, DirectConv};
 use crate::job::Cancel;
-use crate::kernel::Kernel;
 use crate::kernel::winograd::{Layer, PlaneChain, VolumeChain};
+use crate::kernel::{Ending, Kernel, Limits};
 
 /// Pixels from which on the transforms pay in a plane; below, weights would be most of the work.
-const LEAST_PIXELS: usize = 1024;
+const LEAST_PIXELS: usize = 512;
 
-/// Convolutions that follow each other.
+/// Convolutions that follow each other. Inputs: the picture, and what is added at the end.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Chain {
     pub(super) convolutions: Arc<Convolutions>,
@@ -21,6 +21,10 @@ pub(super) struct Chain {
     pub(super) len: usize,
     /// Multiply-adds of all of them for one pixel of one view.
     pub(super) products: usize,
+    /// Of what comes in.
+    before: Limits,
+    /// Of the result, after something was added.
+    limits: Limits,
 }
 
 impl Eq for Chain {}
@@ -47,23 +51,27 @@ fn rule(
     first: &DirectConv,
 ) -> TractResult<Option<TypedModelPatch>> {
     let before = model.node(node.inputs[0].node);
-    let goes_on = before.op_as::<DirectConv>().is_some_and(|op| follow(op, first));
+    let goes_on = before.op_as::<DirectConv>().is_some_and(|op| follow(op, first)) && !ends(before);
     let shape = model.outlet_fact(node.inputs[0])?.shape.as_concrete().unwrap_or_default();
     if !fits(first, shape) || (goes_on && model.single_succ(before.id)?.is_some()) {
         return Ok(None);
     }
     let (mut layers, mut last) = (vec![first], node);
     while let Some(next) = model.single_succ(last.id)? {
-        let Some(op) = next.op_as::<DirectConv>().filter(|op| follow(first, op)) else { break };
+        let Some(op) = next.op_as::<DirectConv>().filter(|op| follow(first, op) && !ends(last)) else { break };
+        if next.inputs[0].node != last.id {
+            break;
+        }
         layers.push(op);
         last = next;
     }
-    if layers.len() < 2 && first.kernel == Kernel::Plane {
+    if layers.len() < 2 && first.kernel == Kernel::Plane && !PlaneChain::pays_alone(first.isa, first.channels) {
         return Ok(None);
     }
     let mut patch = TypedModelPatch::default();
-    let tap = patch.tap_model(model, node.inputs[0])?;
-    let output = patch.wire_node(format!("{name}.chain"), Chain::new(&layers), &[tap])?;
+    let inputs = std::iter::once(node.inputs[0]).chain(last.inputs.get(1).copied());
+    let taps: TractResult<TVec<_>> = inputs.map(|input| patch.tap_model(model, input)).collect();
+    let output = patch.wire_node(format!("{name}.chain"), Chain::new(&layers), &taps?)?;
     patch.shunt_outside(model, last.id.into(), output[0])?;
     Ok(Some(patch))
 }
@@ -78,11 +86,16 @@ fn fits(op: &DirectConv, shape: &[usize]) -> bool {
     }
 }
 
+/// Whether the result of a convolution is changed before the next one can have it.
+fn ends(node: &TypedNode) -> bool {
+    node.inputs.len() > 1 || node.op_as::<DirectConv>().is_some_and(|op| op.limits.are_some())
+}
+
 /// Whether `next` can be done together with `op`, as far as that does not depend on the shape, which they share.
 fn follow(op: &DirectConv, next: &DirectConv) -> bool {
     let pays = |op: &DirectConv| op.kernel == Kernel::Volume || PlaneChain::pays(op.channels);
     let alike = |op: &DirectConv| (op.isa, op.kernel, op.padding, op.kernel == Kernel::Volume && op.dilation > 1);
-    pays(op) && pays(next) && alike(op) == alike(next)
+    pays(op) && pays(next) && alike(op) == alike(next) && !next.before.are_some()
 }
 
 impl Chain {
@@ -105,10 +118,12 @@ impl Chain {
             channels_out,
             len: ops.len(),
             products: ops.iter().map(products).sum(),
+            before: ops[0].before,
+            limits: ops[ops.len() - 1].limits,
         }
     }
 
-    fn run(&self, input: &Tensor) -> TractResult<Tensor> {
+    fn run(&self, input: &Tensor, summand: Option<&Tensor>) -> TractResult<Tensor> {
         let mut shape: TVec<usize> = input.shape().into();
         ensure!(!shape.contains(&0), "an empty input, {shape:?}");
         let one = input.len() / shape[0];
@@ -118,9 +133,13 @@ impl Chain {
         let cancel = op::cancel();
         let flag = cancel.as_ref().map(Cancel::flag);
         let inputs = input.try_as_plain_ram()?.as_slice::<f32>()?.chunks_exact(one);
-        for (x, out) in inputs.zip(op::room(&mut output)?.chunks_exact_mut(one_out)) {
+        let summand = summand.map(|summand| summand.try_as_plain_ram()?.as_slice::<f32>()).transpose()?;
+        let outputs = op::room(&mut output)?.chunks_exact_mut(one_out);
+        for (n, (x, out)) in inputs.zip(outputs).enumerate() {
+            let summand = summand.map(|summand| &summand[n * one_out..][..one_out]);
+            let ends = (self.before, Ending { summand, limits: self.limits });
             match (&*self.convolutions, &shape[2..]) {
-                (Convolutions::Plane(chain), &[h, w]) => chain.run(x, [h, w], out, flag)?,
+                (Convolutions::Plane(chain), &[h, w]) => chain.run_between(x, [h, w], ends, out, flag)?,
                 (Convolutions::Volume(chain), &[v, h, w]) => chain.run_slice(x, [v, h, w], out, flag)?,
                 _ => bail!("a convolution of {shape:?}"),
             }
@@ -145,8 +164,8 @@ impl EvalOp for Chain {
     op_out_of_plan!();
 
     fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
-        let input = args_1!(inputs);
-        Ok(tvec!(self.run(&input)?.into_tvalue()))
+        let output = self.run(&inputs[0], inputs.get(1).map(|summand| &**summand))?;
+        Ok(tvec!(output.into_tvalue()))
     }
 }
 

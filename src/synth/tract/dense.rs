@@ -10,7 +10,7 @@ use super::roles::{self, Role, RoleAxis};
 use super::tail::Tail;
 use crate::job::Cancel;
 use crate::kernel::product::{Columns, Dense, Panels, Project};
-use crate::kernel::{Activation, Isa};
+use crate::kernel::{Activation, Isa, Limits};
 
 /// Rewrites a decluttered model.
 pub(super) fn rewrite(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
@@ -21,9 +21,10 @@ pub(super) fn rewrite(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Product {
     isa: Isa,
-    weights: Weights,
+    pub(super) weights: Weights,
     bias: Arc<[f32]>,
     activation: Activation,
+    limits: Limits,
     shape: TVec<usize>,
 }
 
@@ -31,7 +32,7 @@ impl Eq for Product {}
 
 /// How activations and result lie in memory.
 #[derive(Clone, Debug, PartialEq)]
-enum Weights {
+pub(super) enum Weights {
     /// `[rows, depth]` → `[rows, columns]`
     Rows(Arc<Panels>),
     /// `[depth, pixels]`, or `[pixels, depth]` if it says so, → `[channels, pixels]`; the weights `[channels, depth]`.
@@ -67,7 +68,8 @@ fn rule(
     let Ok(values) = weights.try_as_plain_ram() else { return Ok(None) };
     let values = values.as_slice::<f32>()?;
     let weights = pack(*isa, layout, at, values, &tail.scale);
-    let product = Product { isa: *isa, weights, bias: tail.bias.into(), activation: tail.activation, shape };
+    let (bias, activation, limits) = (tail.bias.into(), tail.activation, tail.limits);
+    let product = Product { isa: *isa, weights, bias, activation, limits, shape };
     let mut patch = TypedModelPatch::default();
     let inputs: TractResult<TVec<_>> =
         std::iter::once(node.inputs[slot]).chain(tail.summand).map(|input| patch.tap_model(model, input)).collect();
@@ -119,14 +121,14 @@ impl Product {
         let summand = summand.map(|summand| summand.try_as_plain_ram()?.as_slice::<f32>()).transpose()?;
         let x = x.try_as_plain_ram()?.as_slice::<f32>()?;
         let room = op::room(&mut output)?;
-        let Self { isa, bias, activation, .. } = self;
+        let &Self { isa, ref bias, activation, limits, .. } = self;
         match &self.weights {
             Weights::Rows(weights) => {
-                Dense { isa: *isa, weights, bias, activation: *activation }.run(x, summand, room, flag)?;
+                Dense { isa, weights, bias, activation, limits }.run(x, summand, room, flag)?;
             }
             Weights::Planes { weights, pixels_first } => {
                 let columns = if *pixels_first { Columns::PixelsFirst(x) } else { Columns::Planes(x) };
-                Project { isa: *isa, weights, bias, activation: *activation }.run(columns, summand, room, flag)?;
+                Project { isa, weights, bias, activation, limits }.run(columns, summand, room, flag)?;
             }
         }
         Ok(output)
@@ -148,19 +150,4 @@ impl Op for Product {
     op_as_typed_op!();
 }
 
-impl EvalOp for Product {
-    op_out_of_plan!();
-
-    fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
-        let output = self.run(&inputs[0], inputs.get(1).map(|summand| &**summand))?;
-        Ok(tvec!(output.into_tvalue()))
-    }
-}
-
-impl TypedOp for Product {
-    fn output_facts(&self, _inputs: &[&TypedFact]) -> TractResult<TVec<TypedFact>> {
-        Ok(tvec!(f32::fact(&*self.shape)))
-    }
-
-    as_op!();
-}
+op::with_summand!(Product);

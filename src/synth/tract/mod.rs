@@ -11,7 +11,9 @@ mod attention;
 mod chain;
 mod dense;
 mod elu;
+mod ends;
 mod error;
+mod fold;
 mod graph;
 mod layer_norm;
 mod op;
@@ -25,11 +27,11 @@ mod roles;
 mod tail;
 mod threads;
 mod typed;
+mod weights;
 
 use std::ops::Deref;
 use std::sync::Arc;
 
-use tract_linalg::multithread::{Executor, multithread_tract_scope};
 use tract_onnx::prelude::*;
 use tract_onnx::tract_core::internal::{DimLike as _, EvalContext};
 use tract_onnx::tract_core::ops::OpState;
@@ -38,11 +40,12 @@ use tract_onnx::tract_core::plan;
 pub use error::EngineError;
 #[cfg(test)]
 pub(crate) use graph::tests as graph_tests;
-pub use graph::{OnnxFile, Port, Scale, Signs, Wiring, signs};
+pub use graph::{OnnxBytes, OnnxFile, Port, Scale, Signs, Wiring, signs};
 pub use options::{Options, Path};
 pub use picture::picture_shape;
 pub use profile::OpSeconds;
 pub(crate) use threads::{Pool, pool};
+pub use weights::SharedWeights;
 
 use self::chain::{Chain, Convolutions};
 use crate::job::Cancel;
@@ -112,12 +115,15 @@ fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result
     let mut model = typed::model(onnx, file, input_shape)?;
     if let Some(isa) = isa {
         rewrite::rewrite(&mut model, isa).map_err(shape_error)?;
+        ends::rewrite(&mut model).map_err(shape_error)?;
         foreign(&mut model, isa).map_err(shape_error)?;
         if !options.exact {
             chain::fuse(&mut model).map_err(shape_error)?;
         }
     }
-    let plan = typed::optimised(model).and_then(|model| model.into_runnable()).map_err(shape_error)?;
+    let mut model = typed::optimised(model).map_err(shape_error)?;
+    options.weights.share(&mut model);
+    let plan = model.into_runnable().map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;
     Ok(Runnable { plan, input_shape: input_shape.to_vec(), output_shape, threads: options.threads })
 }
@@ -204,7 +210,6 @@ impl Runnable {
             plan::eval(context, state, node, inputs)
         };
         let run = || -> TractResult<_> { self.plan.spawn()?.run_plan_with_eval(tvec!(input.into_tvalue()), eval) };
-        let run = || multithread_tract_scope(Executor::RayonGlobal, run);
         let outputs = threads::pool(self.threads)?.install(|| op::with_cancel(cancel, run));
         stop()?;
         outputs.and_then(|outputs| outputs.into_iter().map(Output::of).collect()).map_err(EngineError::run)

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use tract_onnx::tract_core::internal::*;
 
 use crate::job::Cancel;
-use crate::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Packed, Padding};
+use crate::kernel::{Activation, Conv, ConvShape, Ending, Isa, Kernel, Limits, Packed, Padding};
 
 thread_local! {
     /// The cancel flag of the net that runs on this thread.
@@ -28,7 +28,7 @@ pub(super) fn cancel() -> Option<Cancel> {
 }
 
 /// A convolution of stride 1 and group 1 with constant weights; `[n, c, y, x]`, or `[n, c, v, y, x]` where the kernel
-/// is a volume.
+/// is a volume. Inputs: the picture, and what is added at the end.
 #[derive(Clone, Debug)]
 pub(super) struct DirectConv {
     pub(super) isa: Isa,
@@ -39,12 +39,20 @@ pub(super) struct DirectConv {
     pub(super) channels: [usize; 2],
     pub(super) weights: Arc<Packed>,
     pub(super) bias: Arc<[f32]>,
+    /// Of what comes in.
+    pub(super) before: Limits,
+    /// Of the result, after something was added.
+    pub(super) limits: Limits,
 }
 
 impl PartialEq for DirectConv {
     fn eq(&self, other: &Self) -> bool {
         let plain = |op: &Self| (op.isa, op.kernel, op.dilation, op.padding, op.activation, op.channels);
-        plain(self) == plain(other) && self.weights == other.weights && self.bias == other.bias
+        let limits = |op: &Self| (op.before, op.limits);
+        plain(self) == plain(other)
+            && limits(self) == limits(other)
+            && self.weights == other.weights
+            && self.bias == other.bias
     }
 }
 
@@ -64,16 +72,18 @@ impl DirectConv {
         Ok(Conv::new(shape, self.isa))
     }
 
-    fn run(&self, input: &Tensor) -> TractResult<Tensor> {
+    fn run(&self, input: &Tensor, summand: Option<&Tensor>) -> TractResult<Tensor> {
         let conv = self.conv(input.shape())?;
         let mut shape: TVec<usize> = input.shape().into();
         shape[1] = self.channels[1];
         let cancel = cancel();
         let flag = cancel.as_ref().map(Cancel::flag);
-        let input = conv.pad_input(input.try_as_plain_ram()?.as_slice::<f32>()?);
+        let input = conv.pad_input_within(input.try_as_plain_ram()?.as_slice::<f32>()?, self.before);
+        let summand = summand.map(|summand| summand.try_as_plain_ram()?.as_slice::<f32>()).transpose()?;
+        let ending = Ending { summand, limits: self.limits };
         let mut output = uninitialized(&shape)?;
         let room = room(&mut output)?;
-        conv.forward_into(&input, &self.weights, Some(&self.bias), self.activation, room, flag)?;
+        conv.forward_onto(&input, &self.weights, (&self.bias, self.activation), ending, room, flag)?;
         Ok(output)
     }
 }
@@ -93,6 +103,29 @@ pub(super) fn room(tensor: &mut Tensor) -> TractResult<&mut [MaybeUninit<f32>]> 
     Ok(unsafe { std::slice::from_raw_parts_mut(first.cast(), len) })
 }
 
+/// What tract asks of an operator that makes a tensor of `self.shape` by `self.run(x, summand)`.
+macro_rules! with_summand {
+    ($operator:ty) => {
+        impl EvalOp for $operator {
+            op_out_of_plan!();
+
+            fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
+                let output = self.run(&inputs[0], inputs.get(1).map(|summand| &**summand))?;
+                Ok(tvec!(output.into_tvalue()))
+            }
+        }
+
+        impl TypedOp for $operator {
+            fn output_facts(&self, _inputs: &[&TypedFact]) -> TractResult<TVec<TypedFact>> {
+                Ok(tvec!(f32::fact(&*self.shape)))
+            }
+
+            as_op!();
+        }
+    };
+}
+pub(super) use with_summand;
+
 impl Op for DirectConv {
     fn name(&self) -> StaticName {
         "DirectConv".into()
@@ -110,8 +143,8 @@ impl EvalOp for DirectConv {
     op_out_of_plan!();
 
     fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
-        let input = args_1!(inputs);
-        Ok(tvec!(self.run(&input)?.into_tvalue()))
+        let output = self.run(&inputs[0], inputs.get(1).map(|summand| &**summand))?;
+        Ok(tvec!(output.into_tvalue()))
     }
 }
 

@@ -1,5 +1,6 @@
 //! How a net is to be run.
 
+use super::weights::SharedWeights;
 use crate::kernel::Isa;
 
 /// Which code does the convolutions.
@@ -43,4 +44,6 @@ pub struct Options {
     pub exact: bool,
     /// Threads that compute; 0 means one per processor core.
     pub threads: usize,
+    /// Where packed weights are looked for before they are kept once more.
+    pub weights: SharedWeights,
 }

@@ -12,7 +12,7 @@ use super::tail::Tail;
 use super::{op, roles};
 use crate::job::Cancel;
 use crate::kernel::product::{Columns, DepthWise, Patches, Project};
-use crate::kernel::{Activation, Isa, Kernel, Padding};
+use crate::kernel::{Activation, Isa, Kernel, Limits, Padding};
 
 /// Rewrites a decluttered model.
 pub(super) fn rewrite(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
@@ -37,28 +37,29 @@ fn narrow(
 ) -> TractResult<Option<TypedModelPatch>> {
     let Some(shape) = roles::shape(model, node.id.into())? else { return Ok(None) };
     let &[1, _, height, width] = &shape[..] else { return Ok(None) };
-    let plain = conv.kernel == Kernel::Plane && conv.padding == Padding::Zero;
+    let plain = conv.kernel == Kernel::Plane && conv.padding == Padding::Zero && !conv.before.are_some();
     if !plain || width > NARROW || conv.channels.iter().any(|channels| *channels < MANY) {
         return Ok(None);
     }
     let (channels, dilation) = (conv.channels[0], [conv.dilation; 2]);
     let size = [height, width];
     let patches = Patches { channels, size, kernel: [3; 2], stride: [1; 2], dilation, before: dilation, output: size };
-    let (isa, bias, activation) = (conv.isa, Arc::clone(&conv.bias), conv.activation);
-    let op =
-        PatchConv { isa, patches, weights: conv.weights.plain().into(), bias, activation, shape, depthwise: false };
+    let (isa, bias, activation, limits) = (conv.isa, Arc::clone(&conv.bias), conv.activation, conv.limits);
+    let weights = conv.weights.plain().into();
+    let op = PatchConv { isa, patches, weights, bias, activation, limits, shape, depthwise: false };
     TypedModelPatch::replace_single_op(model, node, &node.inputs, op)
         .map(|patch| Some(patch.with_context(format!("{name} narrow"))))
 }
 
 /// A convolution of one picture. Inputs: the picture, and what is added at the end.
 #[derive(Clone, Debug, PartialEq)]
-struct PatchConv {
+pub(super) struct PatchConv {
     isa: Isa,
     patches: Patches,
-    weights: Arc<[f32]>,
+    pub(super) weights: Arc<[f32]>,
     bias: Arc<[f32]>,
     activation: Activation,
+    limits: Limits,
     shape: TVec<usize>,
     /// Each channel by itself.
     depthwise: bool,
@@ -101,7 +102,8 @@ fn rule(
     let scaled = |(i, weight): (usize, &f32)| weight * tail.scale[i / depth];
     let bias = (0..channels).map(|c| bias[c % bias.len()] * tail.scale[c] + tail.bias[c]).collect();
     let weights = weights.iter().enumerate().map(scaled).collect();
-    let op = PatchConv { isa: *isa, patches, weights, bias, activation: tail.activation, shape, depthwise };
+    let (isa, activation, limits) = (*isa, tail.activation, tail.limits);
+    let op = PatchConv { isa, patches, weights, bias, activation, limits, shape, depthwise };
     let mut patch = TypedModelPatch::default();
     let inputs: TractResult<TVec<_>> =
         std::iter::once(node.inputs[0]).chain(tail.summand).map(|input| patch.tap_model(model, input)).collect();
@@ -150,12 +152,12 @@ impl PatchConv {
         let summand = summand.map(|summand| summand.try_as_plain_ram()?.as_slice::<f32>()).transpose()?;
         let x = x.try_as_plain_ram()?.as_slice::<f32>()?;
         let room = op::room(&mut output)?;
-        let Self { isa, patches, weights, bias, activation, .. } = self;
+        let &Self { isa, ref patches, ref weights, ref bias, activation, limits, .. } = self;
         if self.depthwise {
-            let planes = DepthWise { isa: *isa, patches, weights, bias, activation: *activation };
+            let planes = DepthWise { isa, patches, weights, bias, activation };
             planes.run(x, room, flag)?;
         } else {
-            let project = Project { isa: *isa, weights, bias, activation: *activation };
+            let project = Project { isa, weights, bias, activation, limits };
             project.run(Columns::Patches(x, patches), summand, room, flag)?;
         }
         Ok(output)
@@ -174,19 +176,4 @@ impl Op for PatchConv {
     op_as_typed_op!();
 }
 
-impl EvalOp for PatchConv {
-    op_out_of_plan!();
-
-    fn eval(&self, _context: &EvalContext, inputs: TVec<TValue>) -> TractResult<TVec<TValue>> {
-        let output = self.run(&inputs[0], inputs.get(1).map(|summand| &**summand))?;
-        Ok(tvec!(output.into_tvalue()))
-    }
-}
-
-impl TypedOp for PatchConv {
-    fn output_facts(&self, _inputs: &[&TypedFact]) -> TractResult<TVec<TypedFact>> {
-        Ok(tvec!(f32::fact(&*self.shape)))
-    }
-
-    as_op!();
-}
+op::with_summand!(PatchConv);

@@ -1,17 +1,16 @@
 //! The shape of the picture that a foreign net takes, read off its graph.
 
 use tract_onnx::pb::{ModelProto, ValueInfoProto, tensor_shape_proto::dimension::Value, type_proto};
-use tract_onnx::prelude::Framework as _;
 
-use super::EngineError;
+use super::{EngineError, OnnxBytes};
 
 /// The shape of the first input, `[1, 3, h, w]` or `[1, h, w, 3]`: fixed sides as the file has them, free ones from
 /// `size` (width, height).
 ///
 /// # Errors
-/// Bytes that are no ONNX model; no input with the four axes of a picture.
-pub fn picture_shape(onnx_bytes: &[u8], size: [usize; 2]) -> Result<Vec<usize>, EngineError> {
-    let proto = tract_onnx::onnx().proto_model_for_read(&mut &onnx_bytes[..]).map_err(EngineError::parse)?;
+/// No ONNX model; no input with the four axes of a picture.
+pub fn picture_shape(file: OnnxBytes, size: [usize; 2]) -> Result<Vec<usize>, EngineError> {
+    let proto = file.decoded(&tract_onnx::onnx())?;
     let no_picture = || EngineError::Unsupported { detail: "its first input is no picture of four axes".to_owned() };
     let dims = first_input(&proto).map(dims).filter(|dims| dims.len() == 4).ok_or_else(no_picture)?;
     let channels_last = dims[3] == Some(3) && dims[1] != Some(3);

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use serde::Serialize;
-use tract_linalg::multithread::{Executor, multithread_tract_scope};
 use tract_onnx::prelude::*;
 use tract_onnx::tract_core::internal::EvalContext;
 use tract_onnx::tract_core::ops::OpState;
@@ -44,7 +43,6 @@ impl Runnable {
                 answer
             };
         let run = || -> TractResult<_> { self.plan.spawn()?.run_plan_with_eval(tvec!(input.into_tvalue()), &mut eval) };
-        let run = || multithread_tract_scope(Executor::RayonGlobal, run);
         threads::pool(self.threads)?.install(run).map_err(EngineError::run)?;
         let op = |(name, (count, seconds, cpu_seconds))| OpSeconds { name, count, seconds, cpu_seconds };
         let mut all: Vec<_> = spent.into_iter().map(op).collect();

@@ -16,7 +16,7 @@ use tract_onnx::tract_core::ops::nn::DataFormat;
 use super::elu::FusedElu;
 use super::op::DirectConv;
 use super::tail::Tail;
-use crate::kernel::{Activation, Isa, Kernel, Packed, Padding};
+use crate::kernel::{Activation, Isa, Kernel, Limits, Packed, Padding};
 
 /// Rewrites a decluttered model.
 pub(super) fn rewrite(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
@@ -49,7 +49,8 @@ fn rule(
     }
     let (activation, last) = activation(model, node)?;
     let weights = Arc::new(Packed::of(&weights, channels_out, channels_in, kernel));
-    let op = DirectConv { isa: *isa, kernel, dilation, padding, activation, channels, weights, bias: bias.into() };
+    let (isa, bias, before, limits) = (*isa, bias.into(), Limits::NONE, Limits::NONE);
+    let op = DirectConv { isa, kernel, dilation, padding, activation, channels, weights, bias, before, limits };
     let mut patch = TypedModelPatch::default();
     let tap = patch.tap_model(model, input)?;
     let output = patch.wire_node(format!("{name}.direct"), op, &[tap])?;

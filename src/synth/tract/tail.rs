@@ -7,9 +7,9 @@ use tract_onnx::tract_core::ops::math::{Add, Max, Min, Mul};
 use tract_onnx::tract_core::ops::nn::GeluExact;
 
 use super::roles::shape;
-use crate::kernel::Activation;
+use crate::kernel::{Activation, Limits};
 
-/// `act(scale · sums + bias) + summand`.
+/// `limits(act(scale · sums + bias) + summand)`.
 #[derive(Clone, Debug)]
 pub(super) struct Tail {
     /// One value a channel of the result.
@@ -19,6 +19,8 @@ pub(super) struct Tail {
     pub(super) activation: Activation,
     /// A tensor of the same shape as the result.
     pub(super) summand: Option<OutletId>,
+    /// Of the sum with it.
+    pub(super) limits: Limits,
     /// What holds the result in the model as it is.
     pub(super) last: OutletId,
 }
@@ -47,9 +49,10 @@ impl Tail {
         wanted: impl Fn(&Self) -> bool,
     ) -> TractResult<Self> {
         let (scale, bias) = (vec![1.0; channels], vec![0.0; channels]);
-        let mut tail = Self { scale, bias, activation: Activation::None, summand: None, last: node.id.into() };
+        let (activation, limits) = (Activation::None, Limits::NONE);
+        let mut tail = Self { scale, bias, activation, summand: None, limits, last: node.id.into() };
         let shape = shape(model, node.id.into())?.unwrap_or_default();
-        while let Some(next) = model.single_succ(tail.last.node)?.filter(|_| tail.summand.is_none()) {
+        while let Some(next) = model.single_succ(tail.last.node)? {
             let mut longer = tail.clone();
             if !longer.take(model, next, &shape, axes)? || !wanted(&longer) {
                 break;
@@ -63,6 +66,11 @@ impl Tail {
     fn take(&mut self, model: &TypedModel, next: &TypedNode, shape: &[usize], axes: &[usize]) -> TractResult<bool> {
         if next.outputs[0].fact.shape.as_concrete() != Some(shape) {
             return Ok(false);
+        }
+        if self.summand.is_some() {
+            let limits = limits(model, next)?.and_then(|(_, limits)| self.limits.then(limits));
+            self.limits = limits.unwrap_or(self.limits);
+            return Ok(limits.is_some());
         }
         if let Some(op) = next.op_as::<ElementWiseOp>() {
             let gelu = op.0.is::<GeluExact>() && self.activation == Activation::None;
@@ -109,6 +117,28 @@ impl Tail {
         }
         true
     }
+}
+
+/// What a node keeps within limits that are numbers, and the limits.
+pub(super) fn limits(model: &TypedModel, node: &TypedNode) -> TractResult<Option<(OutletId, Limits)>> {
+    let Some(op) = node.op_as::<TypedBinOp>() else { return Ok(None) };
+    for (bound, other) in [(0, 1), (1, 0)] {
+        let konst = model.outlet_fact(node.inputs[bound])?.konst.clone();
+        let same = model.outlet_fact(node.inputs[other])?.shape == node.outputs[0].fact.shape;
+        let Some(konst) = konst.filter(|k| k.len() == 1 && k.datum_type() == f32::datum_type() && same) else {
+            continue;
+        };
+        let bound = konst.cast_to_scalar::<f32>()?;
+        let limits = if op.0.is::<Max>() {
+            Limits { low: bound, ..Limits::NONE }
+        } else if op.0.is::<Min>() {
+            Limits { high: bound, ..Limits::NONE }
+        } else {
+            return Ok(None);
+        };
+        return Ok(Some((node.inputs[other], limits)));
+    }
+    Ok(None)
 }
 
 /// The values of a constant, one a channel, if it differs along the channels only.

@@ -157,7 +157,7 @@ impl Net {
 fn assert_paths_agree(net: &[u8], shape: &[usize], direct: usize) {
     let input = numbers(5, shape.iter().product());
     let run = |path, exact| {
-        let net = prepare(net, shape, &Options { path, exact, threads: 2 }).unwrap();
+        let net = prepare(net, shape, &Options { path, exact, threads: 2, ..Options::default() }).unwrap();
         let answer = net.run(&input, &Cancel::default()).unwrap();
         (net.direct_convolutions(), answer)
     };
@@ -295,4 +295,20 @@ fn a_cancelled_run_says_so() {
     let cancel = Cancel::default();
     cancel.cancel();
     assert!(matches!(net.run(&[0.; 15], &cancel), Err(EngineError::Cancelled)));
+}
+
+#[test]
+fn weights_are_kept_once_for_all_sizes() {
+    let weights = numbers(1, 32 * 32 * 9);
+    let conv = node("Conv", &["x", "w"], "y", vec![ints("pads", &[1; 4])]);
+    let onnx = model(vec![conv], vec![floats("w", &[32, 32, 3, 3], &weights)], &[1, 32, -1, -2], &[1, 32, -1, -2]);
+    let options = Options { exact: true, ..Options::default() };
+    let of = |shape: &[usize], options: &Options| {
+        let net = prepare(&onnx, shape, options).unwrap();
+        let weights = net.plan.model().nodes().iter().find_map(|node| node.op_as::<op::DirectConv>()).unwrap();
+        Arc::clone(&weights.weights)
+    };
+    let (first, second) = (of(&[1, 32, 8, 9], &options), of(&[1, 32, 20, 17], &options));
+    assert!(Arc::ptr_eq(&first, &second));
+    assert!(!Arc::ptr_eq(&first, &of(&[1, 32, 8, 9], &Options { exact: true, ..Options::default() })));
 }

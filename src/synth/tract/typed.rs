@@ -1,18 +1,21 @@
 //! From an ONNX file to tract's typed model at one shape of the picture, all of it in f32.
 
+use std::sync::Arc;
+
 use tract_onnx::prelude::*;
 use tract_onnx::tract_core::optim::Optimizer;
 
 use super::error::EngineError;
+use super::fold;
 use super::graph::{self, OnnxFile};
 
 /// The decluttered model; its input has this shape.
-pub(super) fn model(onnx: tract_onnx::Onnx, file: &OnnxFile, shape: &[usize]) -> Result<TypedModel, EngineError> {
-    let proto = graph::read(&onnx, file)?;
+pub(super) fn model(mut onnx: tract_onnx::Onnx, file: &OnnxFile, shape: &[usize]) -> Result<TypedModel, EngineError> {
+    let (proto, outside) = graph::read(&onnx, file)?;
+    onnx.provider = Arc::new(outside);
     // Shapes of inner values that were inferred for symbolic axes contradict the shape that is asked for.
     let onnx = onnx.with_ignore_output_shapes(true).with_ignore_value_info(true);
-    let folder = file.folder.map(|folder| folder.to_string_lossy().into_owned());
-    let parsed = onnx.parse(&proto, folder.as_deref()).map_err(EngineError::unsupported)?;
+    let parsed = onnx.parse(&proto, file.weights_folder().as_deref()).map_err(EngineError::unsupported)?;
     drop(proto);
     if let Some(name) = parsed.unresolved_inputs.first() {
         return Err(EngineError::Unsupported { detail: format!("nothing makes its value {name}") });
@@ -20,6 +23,9 @@ pub(super) fn model(onnx: tract_onnx::Onnx, file: &OnnxFile, shape: &[usize]) ->
     let typed = || {
         let mut model = parsed.model.with_input_fact(0, f32::fact(shape).into())?.into_typed()?;
         declutter(&mut model)?;
+        if fold::constants(&mut model)? {
+            declutter(&mut model)?;
+        }
         Ok(model)
     };
     typed().map_err(|source| EngineError::shape(shape, source))

@@ -11,7 +11,7 @@ use tract_onnx::pb::{
 };
 use tract_onnx::prelude::f16;
 
-use super::{OnnxFile, Scale, Wiring, signs};
+use super::{OnnxBytes, OnnxFile, Scale, Wiring, signs};
 use crate::job::Cancel;
 use crate::synth::tract::{EngineError, Options, prepare_file};
 
@@ -131,7 +131,7 @@ fn weights_beside_the_file_are_read_and_missing_or_foreign_ones_are_named() {
     tensor.external_data = vec![entry("location", "net.onnx_data"), entry("length", "12")];
     let (inside, path) = (graph.bytes(), folder.path().join("net.onnx_data"));
     let run = |bytes: &[u8]| {
-        let file = OnnxFile { bytes, folder: Some(folder.path()), wiring: &Wiring::FIRST };
+        let file = OnnxFile { folder: Some(folder.path()), ..OnnxFile::plain(bytes) };
         answers(&file, &[1, 3, 1, 1], &[1.0; 3])
     };
     let said = run(&inside).unwrap_err().to_string();
@@ -142,6 +142,41 @@ fn weights_beside_the_file_are_read_and_missing_or_foreign_ones_are_named() {
     assert!(run(&inside).is_err(), "it is shorter than the tensor");
     graph.graph().initializer[0].external_data[0].value = "/etc/hostname".to_owned();
     assert!(matches!(run(&graph.bytes()), Err(EngineError::External { .. })));
+}
+
+/// A 1×1 convolution whose weights are many enough to stay in the file.
+fn wide(kind: DataType, raw_data: Vec<u8>) -> Graph {
+    let channels = raw_data.len() as i64 / if kind == DataType::Float16 { 6 } else { 12 };
+    let mut graph = sum();
+    let tensor = &mut graph.graph().initializer[0];
+    (tensor.dims, tensor.raw_data, tensor.data_type) = (vec![channels, 3, 1, 1], raw_data, kind as i32);
+    graph
+}
+
+#[test]
+fn a_file_on_the_disk_answers_as_one_in_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("net.onnx");
+    let values = (0..90_000).map(|i| (i % 97) as f32 / 7.0);
+    let whole = wide(DataType::Float, values.clone().flat_map(f32::to_le_bytes).collect());
+    let half = wide(DataType::Float16, values.flat_map(|v| f16::from_f32(v).to_le_bytes()).collect());
+    for graph in [whole, half, sum()] {
+        let bytes = graph.bytes();
+        std::fs::write(&path, &bytes).unwrap();
+        let on_disk = OnnxFile { folder: None, ..OnnxFile::on_disk(&path) };
+        let want = answer(&graph, &[1, 3, 1, 1], &[1.0, -2.0, 3.0]);
+        assert_eq!(answers(&on_disk, &[1, 3, 1, 1], &[1.0, -2.0, 3.0]).unwrap()[0], want);
+        assert!(signs(OnnxBytes::File(&path)).unwrap().files.is_empty());
+        // The last four bytes are the version of the operators, which a file may leave out.
+        for len in (0..bytes.len() - 4).step_by(bytes.len() / 97 + 1) {
+            std::fs::write(&path, &bytes[..len]).unwrap();
+            assert!(answers(&on_disk, &[1, 3, 1, 1], &[0.0; 3]).is_err(), "{len} bytes of {}", bytes.len());
+        }
+    }
+    let odd = wide(DataType::Float, [f32::NAN; 30_000].into_iter().flat_map(f32::to_le_bytes).collect());
+    std::fs::write(&path, odd.bytes()).unwrap();
+    let refused = answers(&OnnxFile::on_disk(&path), &[1, 3, 1, 1], &[0.0; 3]);
+    assert!(matches!(refused, Err(EngineError::NotFinite { name }) if name == "w"));
 }
 
 #[test]
@@ -190,7 +225,7 @@ fn further_inputs_are_numbers_and_outputs_come_in_the_order_that_is_asked_for() 
         let outputs = outputs.iter().map(|name| (*name).to_owned()).collect();
         let numbers = numbers.iter().map(|(name, number)| ((*name).to_owned(), *number)).collect();
         let wiring = Wiring { outputs, numbers };
-        answers(&OnnxFile { bytes: &bytes, folder: None, wiring: &wiring }, &[1, 3, 1, 1], &[1.0; 3])
+        answers(&OnnxFile { wiring: &wiring, ..OnnxFile::plain(&bytes) }, &[1, 3, 1, 1], &[1.0; 3])
     };
     assert_eq!(run(&["z", "y"], &[("num_tokens", 10.0)]).unwrap(), [[60.0], [6.0]]);
     for (wrong, word) in [
@@ -222,7 +257,7 @@ fn signs_tell_patches_normalisation_and_the_end() {
         .node("Sigmoid", &["patches"], &["share"], vec![])
         .node("Mul", &["share", "eighty"], &["depth"], vec![])
         .output("depth");
-    let signs = signs(&graph.bytes()).unwrap();
+    let signs = signs(OnnxBytes::Memory(&graph.bytes())).unwrap();
     assert_eq!((signs.patch, signs.normalises), (Some([14, 4]), Some(Scale::Bytes)));
     assert_eq!(signs.end[..2], [("Mul".to_owned(), Some(80.0)), ("Sigmoid".to_owned(), None)]);
     assert!(signs.pictures().count() == 1 && signs.answers("depth"));

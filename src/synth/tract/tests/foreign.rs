@@ -209,3 +209,54 @@ fn a_foreign_net_stops_between_its_operations() {
     cancel.cancel();
     assert!(matches!(net.run(&[0.0; 37 * 12], &cancel), Err(EngineError::Cancelled)));
 }
+
+/// A residual unit of a decoder, as PyTorch writes it: limits before each convolution, a sum and limits behind the last.
+fn residual(channels: i64, size: [i64; 2]) -> Vec<u8> {
+    let mut g = Graph::default();
+    let mut last = "x".to_owned();
+    for _ in 0..2 {
+        let (weights, bias) = (g.weights(&[channels, channels, 3, 3]), g.weights(&[channels]));
+        let limited = g.node("Relu", &[&last], vec![]);
+        last = g.node("Conv", &[&limited, &weights, &bias], vec![ints("pads", &[1; 4])]);
+    }
+    let sum = g.node("Add", &["x", &last], vec![]);
+    let (low, high) = (g.number(-1.0), g.number(6.0));
+    let limited = g.node("Clip", &[&sum, &low, &high], vec![]);
+    let shape = [1, channels, size[0], size[1]];
+    g.finish(&limited, &shape, &shape)
+}
+
+#[test]
+fn limits_and_sums_of_residual_units_are_done_by_their_convolutions() {
+    let net = agrees(&residual(7, [9, 21]), &[1, 7, 9, 21]);
+    assert_eq!((count(&net, "DirectConv"), net.plan.model().nodes().len()), (2, 3));
+    let (onnx, shape) = (residual(32, [40, 33]), [1, 32, 40, 33]);
+    let input = numbers(9, shape.iter().product());
+    let run = |path, exact| {
+        let net = prepare(&onnx, &shape, &Options { path, exact, ..Options::default() }).unwrap();
+        let output = net.run(&input, &Cancel::default()).unwrap().to_vec();
+        (net, output)
+    };
+    let (_, want) = run(Path::Stock, true);
+    for (path, exact, nodes) in [(Path::Auto, false, 2), (Path::Portable, false, 2), (Path::Auto, true, 3)] {
+        let (net, got) = run(path, exact);
+        assert_eq!(net.plan.model().nodes().len(), nodes);
+        for (got, want) in got.iter().zip(&want) {
+            assert!((got - want).abs() < 1e-3, "{path:?} {exact}: {got}, not {want}");
+        }
+    }
+}
+
+#[test]
+fn what_does_not_depend_on_the_picture_is_computed_once() {
+    let mut g = Graph::default();
+    let (three, sides) = (g.integers(&[3]), g.integers(&[900, 900]));
+    let table = g.node("Expand", &[&three, &sides], vec![]);
+    let largest = g.node("ReduceMax", &[&table], vec![ints("axes", &[0, 1])]);
+    let number = AttributeProto { name: "to".into(), i: 1, r#type: AttributeType::Int as i32, ..Default::default() };
+    let largest = g.node("Cast", &[&largest], vec![number]);
+    let sum = g.node("Add", &["x", &largest], vec![]);
+    let net = prepare(&g.finish(&sum, &[2, 2], &[2, 2]), &[2, 2], &Options::default()).unwrap();
+    assert!(net.plan.model().nodes().iter().all(|node| !node.op().name().starts_with("Reduce")));
+    assert_eq!(net.run(&[0.0, 1.0, 2.0, 3.0], &Cancel::default()).unwrap()[..], [3.0, 4.0, 5.0, 6.0]);
+}
