@@ -16,7 +16,33 @@
 //! * [`scene`]: the one way from a file to a picture, with edits, recipes, exports and batches.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
-//! * [`aside`]: files and folders that are there whole or not at all.
+//! * [`aside`]: files and folders that are there whole or not at all; [`shard`]: one of several parts of some work.
+//!
+//! A photo, refocused on what is seen at a place of it:
+//!
+//! ```
+//! use std::sync::Arc;
+//!
+//! use plenoscope::field::FNumber;
+//! use plenoscope::job::{Cancel, Job};
+//! use plenoscope::scene::{Edit, Focus, Maker, Making, Need, Subject, export};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! let cancel = Cancel::default();
+//! let job = Job { cancel: &cancel, sink: &() };
+//! // Or `Subject::open(path, &job)?`, of a photo or a light field.
+//! let subject = Arc::new(Subject::sample()?);
+//! let scene = Maker::default().scene(&subject, &Making::default(), Need::Map, &job)?;
+//! let edit = Edit { f_number: FNumber(1.8), focus: Focus::At([0.43, 0.42]), ..Edit::default() };
+//! let out = folder.path().join("daisy.jpg");
+//! export::write(&scene, &edit, &export::Settings::default(), &out, &job)?;
+//! # assert_eq!(image::image_dimensions(&out)?, (1200, 800));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `Need::Views` makes all 64 views with the disparity of each ray: [`scene::Scene::views`].
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
@@ -31,6 +57,7 @@ pub mod kernel;
 mod panics;
 pub mod render;
 pub mod scene;
+pub mod shard;
 pub mod synth;
 #[cfg(feature = "ui")]
 pub mod ui;

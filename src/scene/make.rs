@@ -4,65 +4,23 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use serde::{Deserialize, Serialize};
-
 use super::picture::{MadeBy, MadeViews, Scene};
-use super::{Content, OnePhoto, Recorded, SceneError, Subject};
-use crate::field::{DisparityMap, Photo, fit_long_side};
-use crate::io::exif;
+use super::{Content, DepthFrom, OnePhoto, Recipe, Recorded, SceneError, Subject};
+use crate::errors::sentence;
+use crate::field::{DisparityMap, RelativeDepth, fit_long_side};
 use crate::io::formats::depth_map::GivenDepth;
+use crate::io::{EmbeddedDepth, exif};
 use crate::job::Job;
 use crate::synth::adopt::Shelf;
 use crate::synth::cache::Cache;
-use crate::synth::range::{self, Camera};
+use crate::synth::range::{Camera, Estimate};
 use crate::synth::{
-    DepthSource, ModelSource, SynthError, SynthParams, Synthesizer, fuse, lift, reference_view, sweep,
+    DepthSource, ModelSource, ModelTag, SynthError, SynthParams, Synthesizer, fuse, lift, reference_view, sweep,
     synthesize_from_map, upsample,
 };
 
 /// A correlation beyond this tells near from far. Of nine light fields of known sign it tells five, none of them wrongly.
 const TELLS: f32 = 0.5;
-
-/// Where ray depths come from.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum DepthFrom {
-    /// The best there is for the photo: what the phone measured, else the net that the person prefers, else the depth net.
-    #[default]
-    Auto,
-    /// The depth net.
-    Network,
-    /// What the phone measured.
-    Phone,
-    /// The phone's order and scale, the net's edges.
-    Fused,
-    /// A map of one's own.
-    Map,
-    /// Another model of the models folder, by name.
-    Model(String),
-}
-
-impl DepthFrom {
-    /// The source that a name on the command line stands for.
-    pub fn named(name: &str) -> Self {
-        match name {
-            "auto" => Self::Auto,
-            "network" => Self::Network,
-            "phone" => Self::Phone,
-            "fused" => Self::Fused,
-            model => Self::Model(model.to_owned()),
-        }
-    }
-
-    /// What is left of the choice at the next start. A map belongs to one photo and another model to the photos that
-    /// it is good for: one that knows flowers alone takes a wall for near.
-    #[must_use]
-    pub fn lasting(self) -> Self {
-        match self {
-            Self::Map | Self::Model(_) => Self::Auto,
-            source => source,
-        }
-    }
-}
 
 /// How light fields are made.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,12 +51,18 @@ impl Making {
         }
     }
 
-    /// The source that [`DepthFrom::Auto`] is for a photo: measured depth before a chosen net before our own.
-    pub fn source_of(&self, one: &OnePhoto) -> DepthFrom {
-        match &self.source {
-            DepthFrom::Auto => one.best_source(self.shelf.as_ref().and_then(Shelf::preferred)),
-            source => source.clone(),
+    /// The same with the source of depth that a recipe names, where no other was asked for.
+    #[must_use]
+    pub fn with_recipe(&self, recipe: &Recipe) -> Self {
+        match (&self.source, &recipe.depth) {
+            (DepthFrom::Auto, Some(source)) => Self { source: source.clone(), ..self.clone() },
+            _ => self.clone(),
         }
+    }
+
+    /// The source that [`DepthFrom::Auto`] is for a photo: measured depth before a chosen net before our own.
+    fn best_source(&self, one: &OnePhoto) -> DepthFrom {
+        one.best_source(self.shelf.as_ref().and_then(Shelf::preferred).map(DepthFrom::Model))
     }
 }
 
@@ -106,16 +70,6 @@ impl Default for Making {
     fn default() -> Self {
         let (source, models) = (DepthFrom::default(), ModelSource::default());
         Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models, shelf: None }
-    }
-}
-
-impl OnePhoto {
-    /// Measured depth before the net that the person prefers before our own.
-    pub fn best_source(&self, preferred: Option<String>) -> DepthFrom {
-        match self.phone {
-            Some(_) => DepthFrom::Phone,
-            None => preferred.map_or(DepthFrom::Network, DepthFrom::Model),
-        }
     }
 }
 
@@ -190,10 +144,22 @@ impl Maker {
         Scene::of_views(subject, given, made.into(), made_by)
     }
 
-    /// What a photo's depth is made from. A preferred net that cannot be used is told of, and our own takes its place.
+    /// What a photo's depth is made from. A net that was not asked for by name and cannot be used is told of, and the
+    /// next best takes its place.
     fn source_of(&self, one: &OnePhoto, how: &Making, job: &Job) -> DepthFrom {
-        let source = how.source_of(one);
-        let (DepthFrom::Auto, DepthFrom::Model(name)) = (&how.source, &source) else { return source };
+        let best = || how.best_source(one);
+        let source = match &how.source {
+            DepthFrom::Auto => best(),
+            DepthFrom::Net(tag) => match self.name_of(tag, how) {
+                Ok(name) => return DepthFrom::Model(name),
+                Err(why) => {
+                    job.sink.warning(format!("{why} — the automatic choice is used"));
+                    best()
+                }
+            },
+            source => return source.clone(),
+        };
+        let DepthFrom::Model(name) = &source else { return source };
         match self.nets(how).map(|nets| nets.check(name)) {
             Ok(Err(error)) => {
                 job.sink.warning(format!("{error} — the program's own net is used"));
@@ -201,6 +167,15 @@ impl Maker {
             }
             _ => source,
         }
+    }
+
+    /// The name that a net has here now, by its checksum; else why it cannot be used. Without any nets that is told later.
+    fn name_of(&self, tag: &ModelTag, how: &Making) -> Result<String, String> {
+        let Ok(nets) = self.nets(how) else { return Ok(tag.id.clone()) };
+        let missing = || format!("the net {:?} of this edit is not here: add its file again to use it", tag.id);
+        let name = nets.name_of(tag).ok_or_else(missing)?;
+        nets.check(&name).map_err(|error| sentence(&error))?;
+        Ok(name)
     }
 
     /// A recorded light field: its own ray depths, those of its reference view lifted, or measured from its views.
@@ -284,8 +259,8 @@ fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
         threads: how.threads,
         disparity: None,
         source: DepthSource::Network,
-        phone: one.phone.as_ref().map(|depth| Arc::new(depth.map.clone())),
-        camera: camera(&one.photo),
+        phone: one.phone.as_ref().map(|depth| Arc::new(measured(depth))),
+        camera: camera(one),
     };
     let missing = |what: &str| job.sink.warning(format!("{what}, so the network's depth is used"));
     match (&how.source, &one.own_map) {
@@ -299,18 +274,26 @@ fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
             return SynthParams { disparity: Some(Arc::clone(map)), ..base };
         }
         (DepthFrom::Map, Some(GivenDepth::Order(map))) => {
-            return SynthParams { source: DepthSource::Phone, phone: Some(Arc::clone(map)), ..base };
+            let phone = Some(Arc::new(Estimate::relative(RelativeDepth::clone(map))));
+            return SynthParams { source: DepthSource::Phone, phone, ..base };
         }
         (DepthFrom::Model(id), _) => return SynthParams { source: DepthSource::Model(id.clone()), ..base },
-        (DepthFrom::Auto | DepthFrom::Network, _) => {}
+        // A net was brought to its name before.
+        (DepthFrom::Auto | DepthFrom::Network | DepthFrom::Net(_), _) => {}
     }
     base
 }
 
+/// What the phone measured: metres where its file says so, else an order.
+fn measured(depth: &EmbeddedDepth) -> Estimate {
+    let nearness = depth.map.clone();
+    if depth.metric { Estimate::metric(nearness, None) } else { Estimate::relative(nearness) }
+}
+
 /// What the photo's file says of the camera.
-fn camera(photo: &Photo) -> Camera {
-    let exif = photo.metadata().exif.as_deref();
-    Camera { f35_mm: exif.and_then(exif::f35_mm), focus_m: exif.and_then(exif::subject_distance_m) }
+fn camera(one: &OnePhoto) -> Camera {
+    let exif = one.photo.metadata().exif.as_deref();
+    Camera { f35_mm: one.f35_mm, focus_m: exif.and_then(exif::subject_distance_m) }
 }
 
 /// Lambertian views (paper, §3.2) of a photo whose depth is known; else the error that the nets gave.
@@ -329,10 +312,12 @@ fn without_nets(
     let map = match (&params.disparity, &one.truth, &params.phone) {
         (Some(map), ..) => Arc::clone(map),
         (None, Some(truth), _) => Arc::new(guided(truth)?),
-        (None, None, Some(phone)) => Arc::new(guided(&range::of_phone(phone).map_err(SynthError::from)?)?),
+        (None, None, Some(phone)) => {
+            Arc::new(guided(&phone.disparity(&params.camera, None).map_err(SynthError::from)?)?)
+        }
         (None, None, None) => return Err(error),
     };
-    job.sink.warning(format!("{} — the picture's own depth is used", crate::errors::sentence(&error)));
+    job.sink.warning(format!("{} — the picture's own depth is used", sentence(&error)));
     let made_by = MadeBy::named("the picture's own depth");
     match need {
         Need::Map => Scene::of_map(subject, map, made_by),
@@ -340,5 +325,41 @@ fn without_nets(
             let made = synthesize_from_map(&one.photo, &map, params, job)?;
             Scene::of_views(subject, Some(map), made.into(), made_by)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Photo;
+    use crate::io::DepthKind;
+    use crate::job::Cancel;
+
+    /// Disparities at 1 m and at 2 m of a photo whose phone measured both.
+    fn disparities(metric: bool, f35_mm: Option<f32>) -> [f32; 2] {
+        let size = [96, 64];
+        let photo = Arc::new(Photo::from_srgb8(size, vec![128; 96 * 64 * 4]).unwrap());
+        let map =
+            RelativeDepth::new(size, (0..96 * 64).map(|i| if i % 96 < 48 { 1.0 } else { 0.5 }).collect()).unwrap();
+        let phone = Some(Arc::new(EmbeddedDepth { kind: DepthKind::DynamicDepth, map, metric }));
+        let content = Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, truth: None });
+        let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, info: None, content });
+        let job = Job { cancel: &Cancel::default(), sink: &() };
+        let scene = Maker::default().scene(&subject, &Making::default(), Need::Map, &job).unwrap();
+        [scene.map().at(8, 32), scene.map().at(88, 32)]
+    }
+
+    #[test]
+    fn metres_of_a_phone_become_what_its_own_lens_would_see() {
+        // 96 px wide: a focal length of 96 · 52 / 36 px, and a step of 52 / 28 mm.
+        let wanted = 96.0 * 52.0 / 36.0 * (0.052 / 28.0) * (1.0 - 0.5);
+        let [near, far] = disparities(true, Some(52.0));
+        assert!((near - far - wanted).abs() < 0.01 * wanted, "{near} and {far} differ by {wanted}");
+        let [near, far] = disparities(true, None);
+        let wide = wanted * (28.0f32 / 52.0).powi(2);
+        assert!((near - far - wide).abs() < 0.01 * wide, "a usual lens where the file says none");
+        let [far_px, near_px] = RelativeDepth::usual_range_px(96);
+        let [near, far] = disparities(false, Some(52.0));
+        assert!((near - near_px).abs() < 0.01 && (far - far_px).abs() < 0.01, "an order has the usual range");
     }
 }

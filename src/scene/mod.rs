@@ -23,12 +23,14 @@ pub mod models;
 mod picture;
 pub mod recipe;
 mod series;
+mod source;
 mod subject;
 
 pub use edit::{Edit, Focus};
 pub use error::SceneError;
-pub use make::{DepthFrom, Maker, Making, Need};
+pub use make::{Maker, Making, Need};
 pub use picture::{MadeViews, OutputSize, Scene};
 pub use recipe::Recipe;
 pub use series::Movement;
+pub use source::DepthFrom;
 pub use subject::{Content, OnePhoto, Recorded, Subject};

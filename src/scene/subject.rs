@@ -37,6 +37,8 @@ pub enum Content {
 pub struct OnePhoto {
     /// The photo.
     pub photo: Arc<Photo>,
+    /// Focal length as on 35-mm film in millimetres, where the file says it.
+    pub f35_mm: Option<f32>,
     /// Depth that the phone measured.
     pub phone: Option<Arc<EmbeddedDepth>>,
     /// A map of one's own.
@@ -82,7 +84,7 @@ impl Subject {
 
     /// A photo that is no file.
     pub fn from_photo(photo: Arc<Photo>, name: &str) -> Self {
-        let content = Content::Photo(OnePhoto { photo, phone: None, own_map: None, truth: None });
+        let content = Content::Photo(OnePhoto { photo, f35_mm: None, phone: None, own_map: None, truth: None });
         Self { name: name.to_owned(), path: None, info: None, content }
     }
 
@@ -132,7 +134,8 @@ impl Subject {
 
 impl From<PhotoFile> for OnePhoto {
     fn from(file: PhotoFile) -> Self {
-        Self { photo: file.photo, phone: file.depth.map(Arc::new), own_map: None, truth: None }
+        let (f35_mm, phone) = (file.info.f35_mm, file.depth.map(Arc::new));
+        Self { photo: file.photo, f35_mm, phone, own_map: None, truth: None }
     }
 }
 

@@ -21,7 +21,7 @@ use crate::aside::NewFile;
 use crate::field::{DisparityMap, Photo, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
-const MAGIC: &[u8; 8] = b"PLENO\0\0\x04";
+const MAGIC: &[u8; 8] = b"PLENO\0\0\x05";
 /// Bytes that the folder may hold.
 const CAP_BYTES: u64 = 2 << 30;
 
@@ -109,8 +109,11 @@ impl Cache {
             if total <= self.cap_bytes {
                 break;
             }
-            fs::remove_file(path)?;
-            total -= bytes;
+            match fs::remove_file(path) {
+                // Another program was faster.
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+                _ => total -= bytes,
+            }
         }
         Ok(())
     }
@@ -138,7 +141,9 @@ impl CacheKey {
         models.iter().for_each(|manifest| hash.update(format!("{manifest:?}")));
         hash.update(photo.srgb8());
         let disparity = params.disparity.as_deref().map(|map| (map.size(), map.disparity_px()));
-        let phone = params.phone.as_deref().map(|map| (map.size(), map.nearness()));
+        let phone = params.phone.as_deref().map(|phone| (phone.nearness.size(), phone.nearness.nearness()));
+        // An order and the same numbers in metres are two scenes.
+        hash.update(format!("{:?}", params.phone.as_deref().map(|phone| (phone.geometry, &phone.sky))));
         for map in [disparity, phone] {
             hash.update([u8::from(map.is_some())]);
             if let Some((size, values)) = map {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::ModelTag;
-use super::range::Camera;
-use crate::field::{DisparityMap, LightField, RayDepths, RelativeDepth};
+use super::range::{Camera, Estimate};
+use crate::field::{DisparityMap, LightField, RayDepths};
 
 /// Where the reference view's ray depth comes from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -34,8 +34,8 @@ pub struct SynthParams {
     pub disparity: Option<Arc<DisparityMap>>,
     /// Where the ray depth comes from otherwise.
     pub source: DepthSource,
-    /// What the phone measured. For [`DepthSource::Phone`] and `Fused`.
-    pub phone: Option<Arc<RelativeDepth>>,
+    /// What the phone measured, in metres or in an order alone. For [`DepthSource::Phone`] and `Fused`.
+    pub phone: Option<Arc<Estimate>>,
     /// What the photo's file says of the camera: for depth in metres.
     pub camera: Camera,
 }

@@ -37,8 +37,8 @@ pub enum Geometry {
     },
 }
 
-/// What a source of depth answers.
-#[derive(Clone, Debug)]
+/// What a source of depth answers, a net or a phone.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Larger is nearer.
     pub nearness: RelativeDepth,
@@ -55,14 +55,6 @@ pub struct Camera {
     pub f35_mm: Option<f32>,
     /// Distance of the subject, in metres.
     pub focus_m: Option<f32>,
-}
-
-/// The disparities of a map that a phone measured.
-///
-/// # Errors
-/// Values beyond all measure.
-pub fn of_phone(nearness: &RelativeDepth) -> Result<DisparityMap, FieldError> {
-    Estimate::relative(nearness.clone()).disparity(&Camera::default(), None)
 }
 
 impl Estimate {

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::ask::Ask;
 use super::command::Command;
 use super::dialog::Dialog;
+use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::worker::JobId;
 use crate::field::ViewOffset;
@@ -44,6 +45,8 @@ pub enum Action {
     MakeAgain,
     /// Starts the export that the dialog describes: of these photos, or of what is open where there are none.
     StartExport(Vec<PathBuf>),
+    /// Something that is told once was put away.
+    Learn(Hint),
     /// Stops one export.
     StopTask(JobId),
 }

@@ -3,13 +3,17 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use egui::{Color32, ColorImage};
+
 use super::event::{Event, Listed};
 use super::jobs::ToWindow;
+use super::near_end;
 use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::job::{Cancel, Job};
-use crate::scene::{Maker, Making, models};
-use crate::synth::adopt::{AdoptError, Shelf};
+use crate::scene::{DepthFrom, Maker, Making, Subject, models};
+use crate::synth::adopt::{AdoptError, Adopted, Shelf, Shelved};
+use crate::synth::{ModelTag, reference_view};
 
 /// What is done with nets, and where they lie.
 pub struct Request {
@@ -27,6 +31,48 @@ pub enum Change {
     Prefer(Option<String>),
     /// Take one away.
     Remove(String),
+}
+
+/// A net that was added, as the window shows it.
+pub struct Card {
+    /// The net as a source of depth.
+    pub source: DepthFrom,
+    /// Its name.
+    pub name: String,
+    /// Name and value of what a person wants to know: family, size, time, licence, correlation.
+    pub facts: Vec<(&'static str, String)>,
+    /// What a person must know before using its pictures.
+    pub warning: Option<&'static str>,
+    /// The sample, and what the net says of it; small, near is red.
+    pub pictures: [Arc<ColorImage>; 2],
+}
+
+impl Card {
+    fn new(net: &Adopted) -> Self {
+        let licence = match net.manifest.licence.as_str() {
+            "" => "not known: look where you got it".to_owned(),
+            licence => licence.to_owned(),
+        };
+        let facts = vec![
+            ("Family", net.family.unwrap_or("not known").to_owned()),
+            ("Size", format!("{:.0} MB", net.bytes as f64 / 1e6)),
+            ("Time", format!("{:.1} s a photo", net.seconds)),
+            ("Licence", licence),
+            ("Order of the sample's depth", format!("correlation {:.2}", net.correlation)),
+        ];
+        let source = DepthFrom::Net(net.manifest.tag());
+        let pictures = [Arc::new(sample()), Arc::new(near_end::small(&net.depth.disparity()))];
+        Self { source, name: net.manifest.id.clone(), facts, warning: net.warning, pictures }
+    }
+}
+
+/// The sample, small. It is drawn by the program itself, so that it is always there.
+fn sample() -> ColorImage {
+    let view = Subject::sample().ok().and_then(|sample| {
+        reference_view(sample.photo()?, near_end::PREVIEW, &Job { cancel: &Cancel::default(), sink: &() }).ok()
+    });
+    let Some(view) = view else { return ColorImage::filled([1, 1], Color32::BLACK) };
+    ColorImage::from_rgba_unmultiplied(view.size().map(|side| side as usize), view.rgba())
 }
 
 /// The thread's work. The nets that are kept warm are forgotten, as one of them may be another now.
@@ -54,7 +100,7 @@ fn change(what: &Change, shelf: &Shelf, job: &Job) -> Result<Event, AdoptError> 
     match what {
         Change::Add(file) => {
             let net = models::add(file, None, shelf, false, job)?;
-            Ok(Event::Added { name: net.manifest.id.clone(), text: format!("Added {}", net.summary()) })
+            Ok(Event::Added(Box::new(Card::new(&net))))
         }
         Change::Prefer(name) => shelf.prefer(name.as_deref()).map(|()| Event::Stopped),
         Change::Remove(name) => shelf.remove(name).map(|()| Event::Stopped),
@@ -63,11 +109,20 @@ fn change(what: &Change, shelf: &Shelf, job: &Job) -> Result<Event, AdoptError> 
 
 /// All depth nets beside the pair's own, broken ones with their reason.
 pub fn listed(making: &Making) -> Vec<Listed> {
-    let plain = |name: String| Listed { name, fault: None, is_preferred: false, is_added: false };
-    let mut nets: Vec<Listed> = making.models.further_models().into_iter().map(plain).collect();
-    for net in making.shelf.iter().flat_map(Shelf::nets) {
-        let fault = net.manifest.err().map(|error| sentence(&error));
-        nets.push(Listed { name: net.name, fault, is_preferred: net.is_preferred, is_added: true });
+    let plain = |tag: ModelTag| Listed {
+        name: tag.id.clone(),
+        tag: Some(tag),
+        fault: None,
+        is_preferred: false,
+        is_added: false,
+    };
+    let mut nets: Vec<Listed> = making.models.further_tags().into_iter().map(plain).collect();
+    for Shelved { name, manifest, is_preferred, .. } in making.shelf.iter().flat_map(Shelf::nets) {
+        let (tag, fault) = match manifest {
+            Ok(manifest) => (Some(manifest.tag()), None),
+            Err(error) => (None, Some(sentence(&error))),
+        };
+        nets.push(Listed { name, tag, fault, is_preferred, is_added: true });
     }
     nets
 }

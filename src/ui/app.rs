@@ -11,6 +11,7 @@ use super::action::Action;
 use super::apply::apply;
 use super::event::Event;
 use super::field_pictures::FieldPictures;
+use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::look::Look;
 use super::progress::now;
@@ -20,7 +21,7 @@ use super::window::{Options, Window};
 use super::worker::{JobId, Outbox};
 use super::{inbox, input, panels, screen, theme};
 use crate::field::{Lens, LightField};
-use crate::scene::Edit;
+use crate::scene::{DepthFrom, Edit, Focus};
 
 /// The window.
 pub struct App {
@@ -28,6 +29,8 @@ pub struct App {
     events: Receiver<(JobId, Event)>,
     /// Whether the window was brought to its screen's size.
     is_fitted: bool,
+    /// Whether a frame was drawn.
+    has_begun: bool,
 }
 
 /// Letters between threads and window.
@@ -58,7 +61,8 @@ impl App {
             }
             None => {}
         }
-        Self { window, events, is_fitted: false }
+        log::info!("the window has its device and its parts after {:.2} s", now());
+        Self { window, events, is_fitted: false, has_begun: false }
     }
 
     /// What is done to the picture.
@@ -74,6 +78,11 @@ impl App {
     /// The light field, once it is complete.
     pub fn light_field(&self) -> Option<&Arc<LightField>> {
         self.window.open.field()
+    }
+
+    /// The source of depth that is looked at.
+    pub fn source(&self) -> DepthFrom {
+        self.window.looked_at()
     }
 
     /// Whether something is being opened, made or saved.
@@ -118,6 +127,17 @@ impl App {
             edit.viewpoint = Look::on_circle(grid, ctx.input(|input| input.time));
             look.is_moving = true;
             ctx.request_repaint();
+        }
+    }
+
+    /// Takes note of what a person has found out.
+    fn learn(&mut self, before: &Edit) {
+        let Window { edit, settings, .. } = &mut self.window;
+        if before.viewpoint != edit.viewpoint {
+            settings.hints.learn(Hint::Look);
+        }
+        if before.focus != edit.focus && matches!(edit.focus, Focus::At(_)) {
+            settings.hints.learn(Hint::Focus);
         }
     }
 
@@ -188,6 +208,9 @@ impl eframe::App for App {
         self.apply(asked, &ctx);
         let asked = panels::queue(&mut self.window, &ctx);
         self.apply(asked, &ctx);
+        let asked = panels::hint(&self.window, &ctx);
+        self.apply(asked.into_iter().collect(), &ctx);
+        self.learn(&before.0);
         let place = self.toast_place(&ctx);
         self.window.toasts.show(&ctx, place);
         let Window { edit, look, .. } = &mut self.window;
@@ -197,6 +220,9 @@ impl eframe::App for App {
         self.ask_for_pictures(&ctx);
         if !self.window.look.is_circling {
             self.keep_history(&ctx);
+        }
+        if !std::mem::replace(&mut self.has_begun, true) {
+            log::info!("the first frame is laid out after {:.2} s", now());
         }
     }
 

@@ -9,8 +9,10 @@ use egui::{Context, ViewportCommand};
 use super::action::Action;
 use super::ask::Ask;
 use super::command::Command;
+use super::compare::{self, make_again};
 use super::dialog::Dialog;
 use super::document::Document;
+use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::look::{Face, Pose};
 use super::neighbours;
@@ -41,22 +43,28 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
         Action::FocusOnSubject => window.focus_on_subject(),
         Action::PasteEdit(recipe) => paste_edit(window, &recipe),
         Action::TakeDepths(source) => {
-            window.settings.source = source;
-            window.make_again();
+            if source != DepthFrom::Map {
+                window.settings.source = source.clone();
+            }
+            window.source = source;
+            make_again(window);
         }
         Action::TakeMap(map) => {
             if let Some(document) = window.open.document_mut() {
                 document.subject = Subject::clone(&document.subject).with_own_map(map).into();
             }
-            window.settings.source = DepthFrom::Map;
-            window.make_again();
+            // Another map may have been there before.
+            window.compare.forget_source(&DepthFrom::Map);
+            window.source = DepthFrom::Map;
+            make_again(window);
         }
         Action::UseModels(folder) => {
             window.settings.models_folder = Some(folder);
-            window.make_again();
+            make_again(window);
         }
         Action::ChangeNets(what) => change_nets(window, what),
-        Action::MakeAgain => window.make_again(),
+        Action::Learn(hint) => window.settings.hints.learn(hint),
+        Action::MakeAgain => make_again(window),
         Action::StartExport(photos) => start_export(window, photos),
         Action::StopTask(job) => {
             if window.workers.saver.cancel(job) {
@@ -68,8 +76,12 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
 
 /// Trying a net takes seconds and is shown; what else is done with nets is done at once.
 fn change_nets(window: &mut Window, what: Change) {
-    if matches!(&what, Change::Remove(name) if window.settings.source == DepthFrom::Model(name.clone())) {
-        window.settings.source = DepthFrom::Auto;
+    if let Change::Remove(name) = &what {
+        compare::lose_net(window, name);
+    }
+    // What the automatic choice was it may be no longer.
+    if !matches!(what, Change::Add(_)) {
+        window.compare.forget_source(&DepthFrom::Auto);
     }
     let is_added = matches!(what, Change::Add(_));
     let job = window.workers.adder.push(adding::Request { what, making: window.making() });
@@ -100,7 +112,9 @@ fn can(window: &Window, command: Command) -> bool {
         Command::Opposite | Command::Transpose | Command::Serpentine => matches!(open, Open::LightField(_)),
         Command::OwnDepth | Command::BeforeAfter => open.photo().is_some(),
         Command::NextPhoto | Command::PreviousPhoto => open.subject().is_some_and(|subject| subject.path.is_some()),
-        Command::Stop => window.is_busy(),
+        Command::CompareSources => open.photo().is_some() && open.scene().is_some(),
+        Command::KeepSource => window.compare.at().is_some(),
+        Command::Stop => window.is_busy() || window.compare.at().is_some(),
         Command::Undo => window.history.can_undo(&window.edit),
         Command::Redo => window.history.can_redo(&window.edit),
         Command::Fit
@@ -131,7 +145,10 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         Command::OpenSample => window.open(OpenFrom::Sample),
         Command::NextPhoto => step_file(window, true),
         Command::PreviousPhoto => step_file(window, false),
-        Command::Export => window.dialog = Some(Dialog::Export(Vec::new())),
+        Command::Export => {
+            window.settings.hints.learn(Hint::Export);
+            window.dialog = Some(Dialog::Export(Vec::new()));
+        }
         Command::Queue => window.queue.is_open = !window.queue.is_open,
         Command::CopyPicture => save_shown(window, None, "Copy picture".to_owned()),
         Command::Settings => window.dialog = Some(Dialog::Settings),
@@ -152,6 +169,8 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         Command::StepRight => step_view(window, 1.0, 0.0),
         Command::StepUp => step_view(window, 0.0, -1.0),
         Command::StepDown => step_view(window, 0.0, 1.0),
+        Command::CompareSources => compare::next(window),
+        Command::KeepSource => compare::keep(window),
         Command::Circle => window.look.is_circling = !window.look.is_circling,
         Command::Opposite => lay_out(window, Layout::opposite),
         Command::Transpose => lay_out(window, |layout| Layout { transposed: !layout.transposed, ..layout }),
@@ -227,7 +246,9 @@ fn lay_out(window: &mut Window, change: impl Fn(Layout) -> Layout) {
 }
 
 fn stop(window: &mut Window, ctx: &Context) {
-    if window.loading.running().is_some() {
+    if window.compare.at().is_some() {
+        compare::back(window);
+    } else if window.loading.running().is_some() {
         window.workers.loader.stop();
     } else if window.adding.is_some() {
         window.workers.adder.stop();

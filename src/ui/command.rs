@@ -45,6 +45,8 @@ pub enum Command {
     NextTheme,
     ClearRecent,
     OwnDepth,
+    CompareSources,
+    KeepSource,
     Opposite,
     Transpose,
     Serpentine,
@@ -76,7 +78,7 @@ pub const MOUSE: [(&str, &str); 6] = [
 
 impl Command {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 43] = [
+    pub const ALL: [Self; 45] = [
         Self::Open,
         Self::OpenFolder,
         Self::OpenSample,
@@ -116,6 +118,8 @@ impl Command {
         Self::FullScreen,
         Self::NextTheme,
         Self::OwnDepth,
+        Self::CompareSources,
+        Self::KeepSource,
         Self::Opposite,
         Self::Transpose,
         Self::Serpentine,
@@ -170,6 +174,10 @@ impl Command {
             Self::NextTheme => ("View", "Theme", "Dark, light, or as the system", key(Key::T)),
             Self::ClearRecent => ("File", "Forget recent files", "Empty the list of recent files", None),
             Self::OwnDepth => ("Light field", "Depth map…", "Take ray depths from a map of your own", ctrl(Key::D)),
+            Self::CompareSources => {
+                ("Light field", "Compare sources", "Show the next source of ray depths; Esc goes back", key(Key::S))
+            }
+            Self::KeepSource => ("Light field", "Keep this source", "Use the source that is compared", upper(Key::S)),
             Self::Opposite => ("Light field", "Exchange near and far", "Turn the sign of every disparity", None),
             Self::Transpose => ("Light field", "Exchange rows and columns", "Rows of views are columns", None),
             Self::Serpentine => ("Light field", "To and fro", "Every second row of views runs backwards", None),
@@ -198,6 +206,10 @@ impl Command {
 
 fn key(key: Key) -> Option<KeyboardShortcut> {
     Some(KeyboardShortcut::new(Modifiers::NONE, key))
+}
+
+fn upper(key: Key) -> Option<KeyboardShortcut> {
+    Some(KeyboardShortcut::new(Modifiers::SHIFT, key))
 }
 
 fn ctrl(key: Key) -> Option<KeyboardShortcut> {

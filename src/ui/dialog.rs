@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::added::Shown;
 use super::ask::PathFor;
 use super::near_end::Question;
 
@@ -17,6 +18,8 @@ pub enum Dialog {
     Settings,
     /// Which end of a depth map is near.
     NearEnd(Question),
+    /// A depth net was added.
+    Added(Box<Shown>),
     /// Several files were dropped: open the first, or export them all.
     Many(Vec<PathBuf>),
 }

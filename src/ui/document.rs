@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::errors::sentence;
 use crate::io;
 use crate::job::Job;
-use crate::scene::{Recipe, Subject};
+use crate::scene::{DepthFrom, Recipe, Subject};
 
 /// What was read.
 #[derive(Clone, Debug)]
@@ -52,6 +52,11 @@ impl Document {
             }
         };
         Ok(Self { subject, sidecar, warnings })
+    }
+
+    /// Where its depth comes from, as the edit beside it says.
+    pub fn source(&self) -> Option<&DepthFrom> {
+        if let Sidecar::Read(recipe) = &self.sidecar { recipe.depth.as_ref() } else { None }
     }
 
     /// "4032 × 3024 · Display P3 · phone depth".

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::adding::Card;
 use super::ask::Picked;
 use super::document::Document;
 use super::keys::{Peaks, RestKey};
@@ -12,6 +13,8 @@ use super::tiles::TileSet;
 use crate::field::{View, ViewIndex};
 use crate::job::Progress;
 use crate::render::Picture;
+use crate::scene::DepthFrom;
+use crate::synth::ModelTag;
 
 /// What the threads tell the window. Big things come as handles that nobody copies.
 pub enum Event {
@@ -38,12 +41,7 @@ pub enum Event {
     /// Further depth nets that ray depths can come from.
     Models(Vec<Listed>),
     /// A depth net was added.
-    Added {
-        /// Its name.
-        name: String,
-        /// What a person reads of it.
-        text: String,
-    },
+    Added(Box<Card>),
     /// The file was there already and was left as it is.
     Skipped(PathBuf),
     /// A picture for the clipboard.
@@ -63,10 +61,19 @@ pub enum Event {
 pub struct Listed {
     /// Its name.
     pub name: String,
+    /// Its name and checksum, where they can be read.
+    pub tag: Option<ModelTag>,
     /// Why it cannot be used.
     pub fault: Option<String>,
     /// Whether it is used for all photos without depth of their own.
     pub is_preferred: bool,
     /// Whether the person added it, and may remove it.
     pub is_added: bool,
+}
+
+impl Listed {
+    /// The net as a source of depth.
+    pub fn source(&self) -> DepthFrom {
+        self.tag.clone().map_or_else(|| DepthFrom::Model(self.name.clone()), DepthFrom::Net)
+    }
 }

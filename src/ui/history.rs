@@ -8,22 +8,23 @@ use super::event::Event;
 use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::job::Cancel;
-use crate::scene::{Edit, Recipe};
+use crate::scene::{DepthFrom, Edit, Recipe};
 
 /// What was done to a photo, and what of it lies beside the photo.
 #[derive(Default)]
 pub struct History {
     undoer: Undoer<Edit>,
-    /// The edit as it lies beside the photo, or as it was when the photo was opened; none before there is one.
-    kept: Option<Edit>,
+    /// The edit and the source of its depth as they lie beside the photo, or as they were when the photo was opened; none
+    /// before there is one.
+    kept: Option<(Edit, DepthFrom)>,
 }
 
 impl History {
     /// A photo is open: this is what can be returned to.
-    pub fn new(edit: Edit) -> Self {
+    pub fn new(edit: Edit, source: DepthFrom) -> Self {
         let mut undoer = Undoer::default();
         undoer.add_undo(&edit);
-        Self { undoer, kept: Some(edit) }
+        Self { undoer, kept: Some((edit, source)) }
     }
 
     /// Whether there is something to take back.
@@ -47,11 +48,11 @@ impl History {
         !self.undoer.is_in_flux()
     }
 
-    /// Whether an edit is not yet beside its photo; from then on it counts as kept.
-    pub fn take_unkept(&mut self, edit: &Edit) -> bool {
-        let is_new = self.kept.is_some_and(|kept| kept != *edit);
+    /// Whether an edit, or where its depth comes from, is not yet beside its photo; from then on it counts as kept.
+    pub fn take_unkept(&mut self, edit: &Edit, source: &DepthFrom) -> bool {
+        let is_new = self.kept.as_ref().is_some_and(|(kept, from)| kept != edit || from != source);
         if is_new {
-            self.kept = Some(*edit);
+            self.kept = Some((*edit, source.clone()));
         }
         is_new
     }

@@ -1,14 +1,15 @@
 //! What the threads have sent: taken in between two frames, never waited for.
 
 use super::adding::Change;
-use crate::scene::DepthFrom;
 use std::sync::Arc;
 
 use egui::{Context, TextureOptions, ViewportCommand};
 
 use super::action::Action;
+use super::added::Shown;
 use super::apply::apply;
 use super::ask::Picked;
+use super::compare::{self, Kept, make_again};
 use super::dialog::Dialog;
 use super::document::{Document, Sidecar};
 use super::event::Event;
@@ -43,7 +44,7 @@ pub fn take(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
 fn added(window: &mut Window, event: Event, ctx: &Context) {
     match event {
         Event::Progress(progress) => window.adding.iter_mut().for_each(|adding| adding.tell(progress)),
-        Event::Added { .. } | Event::Failed(_) | Event::Stopped => {
+        Event::Added(_) | Event::Failed(_) | Event::Stopped => {
             window.adding = None;
             told(window, event, ctx);
         }
@@ -61,13 +62,19 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
             let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
             window.thumbnails.push((path, texture));
         }
-        Event::Models(models) => window.models = models,
-        Event::Added { name, text } => {
-            window.toasts.info(&text);
-            window.settings.source = DepthFrom::Model(name);
-            if window.open.photo().is_some() {
-                window.make_again();
+        Event::Models(models) => {
+            window.models = models;
+            if std::mem::take(&mut window.loses_net) {
+                make_again(window);
             }
+        }
+        Event::Added(card) => {
+            window.settings.source = card.source.clone();
+            if window.open.photo().is_some() {
+                window.source = card.source.clone();
+                make_again(window);
+            }
+            window.dialog = Some(Dialog::Added(Box::new(Shown::new(*card, ctx))));
         }
         Event::Warning(text) => window.toasts.info(&text),
         Event::Failed(text) => window.toasts.error(&text),
@@ -113,6 +120,9 @@ fn loaded(window: &mut Window, event: Event, ctx: &Context) {
         Event::Failed(text) => {
             window.toasts.error(&text);
             window.loading = Loading::Idle;
+            if window.compare.at().is_some() {
+                compare::back(window);
+            }
         }
         Event::Stopped => window.loading = Loading::Idle,
         Event::Opened(document, rays, preview) => {
@@ -144,12 +154,15 @@ fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Con
     }
     window.loading.opened();
     window.rest.forget();
+    window.compare.forget();
     window.look.begin();
+    window.source = document.source().unwrap_or(&window.settings.source).clone();
+    window.asked = window.making();
     window.edit = match &document.sidecar {
         Sidecar::Read(recipe) => recipe.edit(window.making().view_size(&document.subject)[0]),
         _ => window.edit.for_new_photo(),
     };
-    window.history = History::new(window.edit);
+    window.history = History::new(window.edit, window.source.clone());
     window.toasts.clear();
     document.warnings.iter().for_each(|warning| window.toasts.info(warning));
     if let Some(path) = &document.subject.path {
@@ -175,10 +188,12 @@ fn take_rays(window: &mut Window, rays: Rays) {
 
 /// The light field is complete.
 fn made(window: &mut Window, made: Made) {
-    // Its job's last words (models) come after it.
     let is_again = matches!(window.loading, Loading::Again(_));
     window.loading = Loading::Idle;
-    window.rest.begin();
+    let generation = window.rest.begin();
+    if window.open.photo().is_some() {
+        window.compare.keep(window.asked.clone(), &made, generation, &window.source);
+    }
     if let Some(pictures) = &mut window.pictures
         && let Some(views) = made.scene.views()
     {
@@ -196,14 +211,33 @@ fn made(window: &mut Window, made: Made) {
         take_rays(window, made.rays.clone());
     }
     window.open.take_made(made);
-    // Laid out anew, or measured otherwise: what was sharp lies at another disparity.
+    // Laid out anew, or measured otherwise: what was sharp lies at another disparity. Who compares comes back to it.
     let is_elsewhere = is_other_source || window.open.photo().is_none();
-    if is_again && is_elsewhere && matches!(window.edit.focus, Focus::Disparity(_)) {
-        window.focus_on_subject();
+    if is_again && is_elsewhere && window.compare.at().is_none() {
+        mend_focus(window);
     }
     let photo = window.open.subject().filter(|subject| subject.photo().is_some());
     if let Some(path) = photo.and_then(|subject| subject.path.clone()) {
         window.workers.ahead.replace(neighbours::Request::Prefetch(path));
+    }
+}
+
+/// A light field that was made before takes the place of what is shown.
+pub fn show_again(window: &mut Window, kept: Kept) {
+    window.rest.resume(kept.generation);
+    if let Some(pictures) = &mut window.pictures
+        && let Some(views) = kept.made.scene.views()
+    {
+        pictures.push_field(&views.field);
+    }
+    take_rays(window, kept.made.rays.clone());
+    window.open.take_made(kept.made);
+}
+
+/// A disparity in focus means another place in other ray depths: the subject is taken instead.
+pub fn mend_focus(window: &mut Window) {
+    if matches!(window.edit.focus, Focus::Disparity(_)) {
+        window.focus_on_subject();
     }
 }
 

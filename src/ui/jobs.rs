@@ -70,7 +70,8 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
         let sink = ToWindow { job, outbox };
         let task = Job { cancel, sink: &sink };
         let done = open(&load.from, job, &task, &ahead, outbox).and_then(|document| {
-            let made = make(&maker, &document.subject, &load.making, &task)?;
+            outbox.send(job, Event::Models(adding::listed(&load.making)));
+            let made = make(&maker, &document.subject, &making_of(&load, &document), &task)?;
             Ok((document, made))
         });
         match done {
@@ -79,7 +80,6 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
             }
             Ok((document, made)) => {
                 outbox.send(job, Event::Made(Box::new(made)));
-                outbox.send(job, Event::Models(adding::listed(&load.making)));
                 if remembers {
                     recents::keep(&document.subject);
                 }
@@ -88,6 +88,15 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
                 outbox.send(job, Event::Failed(sentence));
             }
         }
+    }
+}
+
+/// How a file's light field is made: its depth from where the edit beside it says.
+fn making_of(load: &Load, document: &Document) -> Making {
+    let making = load.making.clone();
+    match (&load.from, document.source()) {
+        (OpenFrom::File(_), Some(source)) => Making { source: source.clone(), ..making },
+        _ => making,
     }
 }
 

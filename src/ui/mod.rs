@@ -5,18 +5,22 @@
 //! pictures are made of, and how, is the business of [`crate::scene`].
 
 mod action;
+mod added;
 mod adding;
 mod app;
 mod apply;
 mod ask;
 mod command;
+mod compare;
 mod dialog;
 mod dialogs;
 mod document;
 mod event;
 mod field_pictures;
 mod finals;
+mod hints;
 mod history;
+pub mod icon;
 mod inbox;
 mod input;
 mod jobs;
@@ -35,6 +39,7 @@ mod rest;
 mod saver;
 mod screen;
 mod settings;
+mod sources;
 mod theme;
 mod tiles;
 mod toasts;
@@ -60,6 +65,8 @@ pub struct WindowError(String);
 /// # Errors
 /// Where there is no display, or no graphics driver.
 pub fn run(mut options: Options) -> Result<(), WindowError> {
+    // The clock begins here.
+    progress::now();
     // Exports go beside the file, and the next run, from wherever it is started, finds it again.
     for file in &mut options.files {
         *file = std::path::absolute(&*file).unwrap_or_else(|_| file.clone());
@@ -78,6 +85,8 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
         ..Default::default()
     };
     if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut native.wgpu_options.wgpu_setup {
+        // OpenGL is no driver that the window needs, and looking for it takes a fifth of the start.
+        setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
         // The adapter's own limits: large photos and 17×17 views need more than the least that is promised everywhere.
         setup.device_descriptor = Arc::new(|adapter: &wgpu::Adapter| wgpu::DeviceDescriptor {
             label: Some("plenoscope"),
@@ -92,21 +101,7 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
     eframe::run_native("plenoscope", native, start).map_err(|error| WindowError(error.to_string()))
 }
 
-/// A ring of views round an amber one.
 fn icon() -> egui::IconData {
-    const SIDE: u32 = 64;
-    let mut rgba = Vec::with_capacity((SIDE * SIDE * 4) as usize);
-    for (x, y) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y))) {
-        let (cell_x, cell_y) = (x / 16, y / 16);
-        let is_gap = x % 16 < 2 || y % 16 < 2;
-        let palette = &theme::DARK;
-        let color = match (is_gap, cell_x, cell_y) {
-            (true, ..) => palette.surround,
-            (_, 2, 2) => palette.accent,
-            (_, 0 | 3, 0 | 3) => palette.control,
-            _ => palette.weak,
-        };
-        rgba.extend(color.to_array());
-    }
-    egui::IconData { rgba, width: SIDE, height: SIDE }
+    const SIDE: u32 = 128;
+    egui::IconData { rgba: icon::rgba(SIDE), width: SIDE, height: SIDE }
 }

@@ -34,7 +34,8 @@ pub fn readings(map: &DepthMap) -> Result<[Reading; 2], FieldError> {
     Ok(map.previews()?.map(|(end, depth)| Reading { end, image: image(&depth), depth }))
 }
 
-fn small(map: &DisparityMap) -> ColorImage {
+/// A small picture of a map, near is red.
+pub fn small(map: &DisparityMap) -> ColorImage {
     let [w, h] = map.size();
     let step = w.max(h).div_ceil(PREVIEW).max(1);
     let [far, near] = map.range_px();

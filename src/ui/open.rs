@@ -46,11 +46,21 @@ enum Known {
 }
 
 /// A finished scene.
+#[derive(Clone)]
 pub struct Made {
     /// The scene, with all views.
     pub scene: Scene,
     /// Its ray depths, and what they say.
     pub rays: Rays,
+}
+
+impl Made {
+    /// Memory that views and ray depths take.
+    pub fn bytes(&self) -> usize {
+        let rays = self.rays.depths.disparity_px().len() * size_of::<f32>();
+        let views = self.scene.views().map_or(&[][..], |views| views.field.views());
+        rays + views.iter().map(|view| view.rgba().len()).sum::<usize>()
+    }
 }
 
 impl Open {

@@ -19,6 +19,8 @@ use crate::scene::{Edit, OutputSize};
 
 /// Rest before the picture at rest is asked for.
 const REST_SECS: f64 = 0.2;
+/// Pictures that are kept, so that sources of depth are compared without waiting.
+const MOST_PICTURES: usize = 6;
 
 /// What is looked at, and how.
 pub struct Seen<'a> {
@@ -33,9 +35,12 @@ pub struct Seen<'a> {
 /// What is wanted, what has been asked for, and what is there.
 #[derive(Default)]
 pub struct AtRest {
-    /// Light fields so far: what was drawn of an older one is not shown.
+    /// The light field that is shown: what was drawn of another is not.
     generation: u64,
-    picture: Option<(RestKey, Tiled)>,
+    /// Light fields so far.
+    generations: u64,
+    /// Pictures of some light fields, one of each, the latest last.
+    pictures: Vec<(RestKey, Tiled)>,
     wanted: Option<RestKey>,
     asked_for: Option<RestKey>,
     peaks: Option<(PeaksKey, TextureHandle)>,
@@ -45,22 +50,37 @@ pub struct AtRest {
 impl AtRest {
     /// Another file is open.
     pub fn forget(&mut self) {
-        *self = Self { generation: self.generation, ..Self::default() };
+        *self = Self { generation: self.generation, generations: self.generations, ..Self::default() };
     }
 
-    /// Another light field is there.
-    pub fn begin(&mut self) {
-        self.generation += 1;
+    /// Another light field is there; returns its number.
+    pub fn begin(&mut self) -> u64 {
+        self.generations += 1;
+        self.generation = self.generations;
+        self.generation
+    }
+
+    /// One that was there before is shown again.
+    pub fn resume(&mut self, generation: u64) {
+        self.generation = generation;
     }
 
     /// Whether what is wanted is there.
     pub fn is_there(&self) -> bool {
-        self.wanted.is_none() || self.picture.as_ref().map(|(key, _)| *key) == self.wanted
+        self.wanted.is_none_or(|wanted| self.have(wanted.generation) == Some(wanted))
     }
 
     /// The lens renderer's picture is there.
     pub fn put(&mut self, key: RestKey, tiles: Arc<TileSet>) {
-        self.picture = Some((key, Tiled::new(tiles)));
+        self.pictures.retain(|(have, _)| have.generation != key.generation);
+        self.pictures.push((key, Tiled::new(tiles)));
+        let over = self.pictures.len().saturating_sub(MOST_PICTURES);
+        self.pictures.drain(..over);
+    }
+
+    /// What the picture of a light field shows.
+    fn have(&self, generation: u64) -> Option<RestKey> {
+        self.pictures.iter().map(|(key, _)| *key).find(|key| key.generation == generation)
     }
 
     /// Marks are there.
@@ -71,15 +91,14 @@ impl AtRest {
 
     /// The picture, where it shows what is asked for at any size; of a wide lens the last one, while the next is drawn.
     pub fn picture(&mut self, key: RestKey) -> Option<(&RestKey, &mut Tiled)> {
-        let (have, tiled) = self.picture.as_mut()?;
+        let (have, tiled) = self.pictures.iter_mut().find(|(have, _)| have.generation == key.generation)?;
         let follows = !have.has_draft && !key.has_draft;
-        (have.generation == key.generation && (have.edit == key.edit || follows)).then_some((&*have, tiled))
+        (have.edit == key.edit || follows).then_some((&*have, tiled))
     }
 
     /// Whether this is being drawn.
     fn is_drawing(&self, is_it: impl Fn(&RestKey) -> bool) -> bool {
-        let done = self.picture.as_ref().map(|(have, _)| *have);
-        self.asked_for.is_some_and(|key| is_it(&key) && done != Some(key))
+        self.asked_for.is_some_and(|key| is_it(&key) && self.have(key.generation) != Some(key))
     }
 
     /// The picture at rest that is to be drawn now: once nothing has moved for a while, or of a wide lens at once.

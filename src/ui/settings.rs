@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::hints::Hints;
 use crate::render::cpu::Colormap;
 use crate::scene::{DepthFrom, Edit, Making, export};
 
@@ -37,6 +38,8 @@ pub struct Settings {
     pub peaking: bool,
     /// A folder of models to use instead of those in the program.
     pub models_folder: Option<PathBuf>,
+    /// What was told once.
+    pub hints: Hints,
 }
 
 impl Default for Settings {
@@ -55,6 +58,7 @@ impl Default for Settings {
             keeps_edits: true,
             peaking: false,
             models_folder: None,
+            hints: Hints::default(),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use eframe::egui_wgpu::RenderState;
 
+use super::compare::{Compare, Kept};
 use super::dialog::Dialog;
 use super::document::Sidecar;
 use super::field_pictures::FieldPictures;
@@ -16,11 +17,12 @@ use super::progress::{Loading, Running};
 use super::queue::Queue;
 use super::rest::AtRest;
 use super::settings::Settings;
+use super::sources::{self, Choice};
 use super::tiles::Tiled;
 use super::toasts::Toasts;
 use super::worker::Outbox;
 use super::workers::Workers;
-use crate::scene::{Edit, Focus, Making, Recipe};
+use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
 use crate::synth::ModelSource;
 use crate::synth::adopt::Shelf;
 
@@ -71,6 +73,14 @@ pub struct Window {
     pub thumbnails: Vec<(PathBuf, egui::TextureHandle)>,
     /// Further depth nets that ray depths can come from.
     pub models: Vec<Listed>,
+    /// Where the ray depths of what is open come from, as it was chosen for it.
+    pub source: DepthFrom,
+    /// What was made of the open photo, and what is compared.
+    pub compare: Compare,
+    /// How what is open, or on its way, is made.
+    pub asked: Making,
+    /// Whether the net that made the light field is being taken away, so that it is to be made anew.
+    pub loses_net: bool,
     /// The net that is being tried.
     pub adding: Option<Running>,
     /// Threads for the nets; 0 is one for each core.
@@ -106,6 +116,10 @@ impl Window {
             dialog: None,
             thumbnails: Vec::new(),
             models: Vec::new(),
+            source: DepthFrom::Auto,
+            compare: Compare::default(),
+            asked: Making::default(),
+            loses_net: false,
             adding: None,
             threads: options.threads,
             workers: Workers::spawn(outbox, pictures.as_ref(), remembers),
@@ -124,7 +138,14 @@ impl Window {
     pub fn open(&mut self, from: OpenFrom) {
         self.keep_edit();
         let is_again = matches!(from, OpenFrom::Again(_));
-        let running = Running::new(self.workers.loader.replace(Load { from, making: self.making() }));
+        let source = if is_again { self.source.clone() } else { self.settings.source.clone() };
+        self.load(from, Making { source, ..self.making() });
+    }
+
+    fn load(&mut self, from: OpenFrom, making: Making) {
+        let is_again = matches!(from, OpenFrom::Again(_));
+        self.asked = making.clone();
+        let running = Running::new(self.workers.loader.replace(Load { from, making }));
         self.loading = if is_again { Loading::Again(running) } else { Loading::Opening(running) };
     }
 
@@ -134,22 +155,52 @@ impl Window {
             (ModelSource::Embedded, Some(folder)) => ModelSource::Folder(folder.clone()),
             (started_with, _) => started_with.clone(),
         };
-        let Settings { long_side, occlusion, source, .. } = &self.settings;
-        let source = source.clone();
+        let Settings { long_side, occlusion, .. } = &self.settings;
         Making {
             long_side: *long_side,
             occlusion: *occlusion,
             threads: self.threads,
-            source,
+            source: self.source.clone(),
             models,
             shelf: self.shelf.clone(),
         }
     }
 
-    /// Makes a photo's light field anew, after a setting changed.
-    pub fn make_again(&mut self) {
-        if let Some(document) = self.open.document().filter(|document| document.subject.photo().is_some()) {
-            self.open(OpenFrom::Again(Box::new(document.clone())));
+    /// Takes what is known of the open photo's light field made in another way, or has it made. What is returned was
+    /// made before.
+    pub fn make(&mut self, making: Making) -> Option<Kept> {
+        let document = self.open.document().filter(|document| document.subject.photo().is_some())?.clone();
+        let kept = self.compare.take(&making);
+        match kept {
+            Some(_) => {
+                self.workers.loader.stop();
+                self.loading = Loading::Idle;
+                self.asked = making;
+            }
+            None => self.load(OpenFrom::Again(Box::new(document)), making),
+        }
+        kept
+    }
+
+    /// All sources of depth that the open photo has.
+    pub fn sources(&self) -> Vec<Choice> {
+        self.one_photo().map(|one| sources::choices(one, &self.models)).unwrap_or_default()
+    }
+
+    /// The source of depth that is chosen for the open photo, as it stands among [`sources`](Self::sources).
+    pub fn chosen(&self) -> DepthFrom {
+        self.one_photo().map_or_else(|| self.source.clone(), |one| sources::present(&self.source, one, &self.models))
+    }
+
+    /// The source of depth that is looked at: that which is compared, or the chosen one.
+    pub fn looked_at(&self) -> DepthFrom {
+        self.compare.at().cloned().unwrap_or_else(|| self.chosen())
+    }
+
+    fn one_photo(&self) -> Option<&OnePhoto> {
+        match &self.open.subject()?.content {
+            Content::Photo(one) => Some(one),
+            Content::Views(_) => None,
         }
     }
 
@@ -173,7 +224,7 @@ impl Window {
         let document = self.open.document()?;
         let photo = document.subject.path.clone().filter(|_| document.subject.photo().is_some())?;
         let is_kept = self.settings.keeps_edits && !matches!(document.sidecar, Sidecar::Unreadable);
-        if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.edit) {
+        if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.edit, &self.source) {
             return None;
         }
         let recipe = self.recipe();
@@ -190,6 +241,6 @@ impl Window {
             _ => Recipe::default(),
         };
         recipe.export = self.settings.export.picture.clone();
-        recipe.with_edit(self.edit)
+        recipe.with_edit(self.edit).with_depth(&self.source)
     }
 }

@@ -8,6 +8,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use plenoscope::synth::ModelSource;
+use plenoscope::synth::adopt::Shelf;
 use plenoscope::ui::{App, Options};
 
 /// Frames after which a job must have ended; each waits a little, so this is minutes on a slow machine.
@@ -28,15 +29,20 @@ pub fn has_device() -> bool {
 
 /// An empty window, whose views will be small.
 pub fn window(size: [f32; 2]) -> Window {
-    window_of(size, 120)
+    window_of(size, 120, None)
+}
+
+/// The same with nets that a person added.
+pub fn window_with_shelf(size: [f32; 2], shelf: Option<Shelf>) -> Window {
+    window_of(size, 120, shelf)
 }
 
 /// An empty window, whose views will have this long side.
-fn window_of(size: [f32; 2], long_side: u32) -> Window {
+fn window_of(size: [f32; 2], long_side: u32, shelf: Option<Shelf>) -> Window {
     let options = Options {
         files: Vec::new(),
         models: ModelSource::Embedded,
-        shelf: None,
+        shelf,
         long_side: Some(long_side),
         threads: 1,
         restores_last: false,
@@ -88,7 +94,7 @@ pub fn with_sample(size: [f32; 2]) -> Window {
 
 /// The same with views as large as people have them.
 pub fn with_large_sample(size: [f32; 2]) -> Window {
-    try_sample(window_of(size, 540))
+    try_sample(window_of(size, 540, None))
 }
 
 fn try_sample(mut harness: Window) -> Window {

@@ -7,6 +7,10 @@
 
 mod common;
 mod edits;
+mod hints;
 mod looks;
+#[path = "../common/nets.rs"]
+mod nets;
 mod queue;
+mod sources;
 mod walk;

@@ -56,6 +56,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
         Some(Command::Models(args)) => models::run(&args, &job),
         Some(Command::Sample(args)) => sample::run(&args, &job),
         Some(Command::Completions { shell }) => pages::completions(shell),
+        Some(Command::Icons { output }) => pages::icons(&output),
         Some(Command::Man { output }) => pages::man(output.as_deref()),
         None => window(cli.files, cli.window),
     }

@@ -25,6 +25,7 @@ pub fn run(args: &Refocus, job: &Job) -> Result<()> {
     // A map that is given spares all nets.
     let lambertian = args.synth.lambertian || args.synth.disparity.is_some();
     let making = input::making(&SynthArgs { lambertian, ..args.synth.clone() });
+    let making = recipe.as_ref().map_or_else(|| making.clone(), |recipe| making.with_recipe(recipe));
     let scene = input::maker(&args.synth).scene(&subject, &making, need, job)?;
     let edit = edit(args, recipe.as_ref(), &scene)?;
     Ok(export::write(&scene, &edit, &settings, &args.output, job)?)

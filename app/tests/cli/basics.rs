@@ -27,6 +27,9 @@ fn completions_and_man_page_are_made() {
     let dir = Scratch::new();
     plenoscope(&["man", "-o", &dir.arg("man")]).assert().success();
     assert!(dir.path("man/plenoscope-info.1").exists());
+    plenoscope(&["icons", "-o", &dir.arg("icons")]).assert().success();
+    assert_eq!(image::open(dir.path("icons/48x48/apps/plenoscope.png")).unwrap().height(), 48);
+    assert!(fs::read_to_string(dir.path("icons/scalable/apps/plenoscope.svg")).unwrap().starts_with("<svg"));
 }
 
 #[test]

@@ -93,6 +93,47 @@ fn a_depth_net_of_ones_own_is_one_more_source() {
     assert!(!dir.path("none").exists());
 }
 
+#[test]
+fn a_recipe_names_its_net_by_checksum_and_goes_on_without_it() {
+    if !have_models() {
+        return;
+    }
+    let dir = Scratch::new();
+    let photo = dir.photo("photo.png", 96, 64);
+    let shelf = dir.path("data/plenoscope/models");
+    small_nets::write_metres(&shelf, "metres");
+    let manifest = fs::read_to_string(shelf.join("metres/manifest.toml")).unwrap();
+    let sha256 = manifest.split("sha256 = \"").nth(1).unwrap().split('"').next().unwrap();
+    let recipe = format!(r#"{{"version": 2, "depth": {{"net": {{"name": "metres", "sha256": "{sha256}"}}}}}}"#);
+    fs::write(dir.path("r.json"), recipe).unwrap();
+    let run = |args: &[&str]| plenoscope(args).env("XDG_DATA_HOME", dir.path("data")).assert().success();
+    let refocus = |more: &[&str], out: &str| {
+        let fixed = ["refocus", &photo, "--recipe", &dir.arg("r.json"), "--no-cache", "-o", &dir.arg(out)];
+        let said = run(&[&fixed[..], more].concat());
+        (fs::read(dir.path(out)).unwrap(), String::from_utf8_lossy(&said.get_output().stderr).into_owned())
+    };
+    let (by_name, _) = refocus(&["--source", "metres"], "name.png");
+    let (own, _) = refocus(&["--source", "network"], "own.png");
+    assert_ne!(by_name, own);
+    assert_eq!(refocus(&[], "recipe.png"), (by_name.clone(), String::new()));
+
+    fs::remove_dir_all(shelf.join("metres")).unwrap();
+    small_nets::write_metres(&shelf, "renamed");
+    assert_eq!(refocus(&[], "renamed.png"), (by_name.clone(), String::new()));
+    let batch = ["batch", &photo, "--recipe", &dir.arg("r.json"), "--no-cache", "-o", &dir.arg("out")];
+    run(&batch);
+    let mut batched = all_files(&dir.path("out"));
+    batched.retain(|file| file.extension().is_some_and(|extension| extension == "jpg"));
+    run(&["refocus", &photo, "--recipe", &dir.arg("r.json"), "--no-cache", "-o", &dir.arg("one.jpg")]);
+    assert_eq!(batched.len(), 1, "one photo, one picture");
+    assert_eq!(fs::read(&batched[0]).unwrap(), fs::read(dir.path("one.jpg")).unwrap());
+
+    fs::remove_dir_all(shelf.join("renamed")).unwrap();
+    let (without, said) = refocus(&[], "without.png");
+    assert_eq!(without, own);
+    assert!(said.contains("\"metres\"") && said.contains("automatic") && said.lines().count() == 1, "{said}");
+}
+
 fn all_files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.flat_map(|path| if path.is_dir() { all_files(&path) } else { vec![path] }).collect()

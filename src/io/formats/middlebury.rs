@@ -16,6 +16,9 @@ use crate::job::Job;
 /// The file that stands for the folder.
 pub(super) const CALIBRATION: &str = "calib.txt";
 
+/// Width of a frame of 35-mm film.
+const FILM_MM: f32 = 36.0;
+
 /// Reads a scene's folder; `None` where the folder is none.
 pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> {
     let [photo, map] = ["im0.png", "disp0.pfm"].map(|name| folder.join(name));
@@ -32,6 +35,8 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> 
             let mut inverse_depth = disparity.map(|px| (px + scale.offset_px) * scale.factor).into_pixels();
             inverse_depth.chunks_exact_mut(size[0] as usize).for_each(fill);
             let map = RelativeDepth::new(size, inverse_depth)?;
+            let long_px = size[0].max(size[1]) as f32;
+            file.info.f35_mm = file.info.f35_mm.or(scale.focal_px.map(|px| px / long_px * FILM_MM));
             file.set_depth(EmbeddedDepth { kind: DepthKind::SideFile, map, metric: scale.is_metric });
         }
         Err(problem) => file.warn(format!("the disparity is left out — {problem}: {}", map.display())),
@@ -44,6 +49,7 @@ struct Scale {
     factor: f32,
     offset_px: f32,
     is_metric: bool,
+    focal_px: Option<f32>,
 }
 
 impl Scale {
@@ -56,10 +62,11 @@ impl Scale {
             first.parse::<f32>().ok().filter(|n| n.is_finite())
         };
         // The focal length stands first in the camera's matrix.
-        let per_px =
-            number("baseline").zip(number("cam0")).map(|(baseline_mm, focal_px)| 1000.0 / (baseline_mm * focal_px));
+        let focal_px = number("cam0").filter(|px| *px > 0.0);
+        let per_px = number("baseline").zip(focal_px).map(|(baseline_mm, focal_px)| 1000.0 / (baseline_mm * focal_px));
         let factor = per_px.filter(|factor| factor.is_normal() && *factor > 0.0);
-        Self { factor: factor.unwrap_or(1.0), offset_px: number("doffs").unwrap_or(0.0), is_metric: factor.is_some() }
+        let (offset_px, is_metric) = (number("doffs").unwrap_or(0.0), factor.is_some());
+        Self { factor: factor.unwrap_or(1.0), offset_px, is_metric, focal_px }
     }
 }
 
@@ -99,7 +106,9 @@ mod tests {
         let calibration = "cam0=[1000 0 2; 0 1000 1; 0 0 1]\ndoffs=10\nbaseline=100\nwidth=4\nheight=1\n";
         std::fs::write(dir.path().join(CALIBRATION), calibration).unwrap();
         for path in [dir.path().to_owned(), dir.path().join(CALIBRATION)] {
-            let depth = open(&path).depth.unwrap();
+            let file = open(&path);
+            assert_eq!(file.info.f35_mm, Some(9000.0), "1000 px of focal length on 4 px");
+            let depth = file.depth.unwrap();
             // 100 mm · 1000 px / (30 + 10) px = 2.5 m.
             let expected = [0.4, 0.4, 0.2, 0.2];
             assert!(depth.metric && depth.map.nearness().iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6));

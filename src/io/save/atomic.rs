@@ -9,6 +9,19 @@ use crate::aside::{NewFile, NewFolder, parent};
 /// Writes a file through `write`: aside in the same folder, then in one step to `path`. Whatever goes wrong on the
 /// way, an older file at `path` stays as it was, and nothing half-written is left.
 pub fn atomic(path: &Path, write: impl FnOnce(&mut File) -> Result<(), SaveError>) -> Result<(), SaveError> {
+    aside(path, write)?.put().map_err(|error| SaveError::from_io(&error, path))
+}
+
+/// The same, but a file that came to `path` meanwhile stays: [`SaveError::Exists`].
+pub fn atomic_new(path: &Path, write: impl FnOnce(&mut File) -> Result<(), SaveError>) -> Result<(), SaveError> {
+    aside(path, write)?.put_new().map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => SaveError::Exists(path.to_owned()),
+        _ => SaveError::from_io(&error, path),
+    })
+}
+
+/// A file that is written and has no name yet.
+fn aside(path: &Path, write: impl FnOnce(&mut File) -> Result<(), SaveError>) -> Result<NewFile, SaveError> {
     if path.is_dir() || path.file_name().is_none() {
         return Err(SaveError::IsFolder(path.to_owned()));
     }
@@ -16,7 +29,7 @@ pub fn atomic(path: &Path, write: impl FnOnce(&mut File) -> Result<(), SaveError
     let fail = |error| SaveError::from_io(&error, path);
     let mut new = NewFile::new(path).map_err(fail)?;
     write(new.file()).map_err(|error| error.at(path))?;
-    new.put().map_err(fail)
+    Ok(new)
 }
 
 /// Writes a folder through `write`, which gets another path to write to: aside, then in one step to `path`. Into a
@@ -96,6 +109,7 @@ mod tests {
         let path = dir.path().join("a.txt");
         atomic(&path, write("one")).unwrap();
         atomic(&path, write("two")).unwrap();
+        assert!(matches!(atomic_new(&path, write("three")), Err(SaveError::Exists(at)) if at == path));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "two");
         assert_eq!(names(dir.path()), ["a.txt"]);
     }

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::field::{Metadata, Photo, Picture, Transfer};
 
 pub use animation::{AnimationOptions, animation};
-pub use atomic::{atomic, folder, free_path, same_file};
+pub use atomic::{atomic, atomic_new, folder, free_path, same_file};
 pub use encode::encode;
 
 pub use crate::field::{Pixels, Samples};
@@ -39,6 +39,9 @@ pub enum SaveError {
     /// The target is the photo itself.
     #[error("the picture would replace the photo that it is made from — choose another name, or ask for it (--force): {}", .0.display())]
     IsSource(PathBuf),
+    /// A file of that name came there while the picture was made.
+    #[error("the picture is not saved — a file of that name came there meanwhile — choose another name: {}", .0.display())]
+    Exists(PathBuf),
     /// No right to write there.
     #[error("the picture cannot be saved — writing is not allowed there — choose another folder: {}", .0.display())]
     NoRights(PathBuf),
@@ -194,12 +197,14 @@ pub struct PictureOptions {
     pub origin: Origin,
     /// Whether the photo's own file may be written over.
     pub replace_source: bool,
+    /// Whether a file that is there, or comes there meanwhile, is replaced.
+    pub replace: bool,
 }
 
 impl Default for PictureOptions {
     fn default() -> Self {
         let origin = Origin::default();
-        Self { format: None, bits: 8, quality: 92, keep: Keep::All, origin, replace_source: false }
+        Self { format: None, bits: 8, quality: 92, keep: Keep::All, origin, replace_source: false, replace: true }
     }
 }
 
@@ -214,11 +219,12 @@ pub fn picture(path: &Path, picture: &Picture, options: &PictureOptions) -> Resu
 /// Writes stored values; the name's ending says the format.
 pub fn pixels(path: &Path, pixels: &Pixels, options: &PictureOptions) -> Result<(), SaveError> {
     let format = check(path, options)?;
-    atomic(path, |file| {
+    let write = |file: &mut std::fs::File| {
         let mut out = BufWriter::with_capacity(1 << 18, file);
         encode(&mut out, format, pixels, options)?;
         out.into_inner().map(drop).map_err(|e| SaveError::from_io(e.error(), path))
-    })
+    };
+    if options.replace { atomic(path, write) } else { atomic_new(path, write) }
 }
 
 /// Whether a picture may be written to a path, before the work is done that makes it.

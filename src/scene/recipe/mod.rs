@@ -2,7 +2,8 @@
 //!
 //! A recipe says its `version` and its `unit`. In version 2 disparities are shares of the picture's width per view step
 //! ([`Edit`]); in version 1, which has no `version`, they are pixels of the map that the photo then had (`pixels`).
-//! What is unknown here stays in the file.
+//! Its `depth` says where the depth came from: `"auto"`, `"network"`, `"phone"`, `"fused"`, or a net by its checksum,
+//! `{"net": {"name": "…", "sha256": "…"}}`. What is unknown here stays in the file.
 
 mod error;
 mod pixels;
@@ -13,7 +14,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Edit, Focus, OutputSize};
+use super::{DepthFrom, Edit, Focus, OutputSize, source};
 use crate::field::ViewPoint;
 use crate::io::save::{Format, Keep, SaveError, atomic};
 
@@ -60,6 +61,8 @@ pub struct Recipe {
     body: Body,
     /// How the picture is kept.
     pub export: PictureSettings,
+    /// Where its ray depths come from; none where the recipe does not say it.
+    pub depth: Option<DepthFrom>,
     /// All that was in the file, so that what is unknown here is not lost.
     whole: Value,
 }
@@ -85,12 +88,14 @@ struct Stored {
     lens: Edit,
     viewpoint: ViewPoint,
     export: PictureSettings,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth: Option<source::Stored>,
 }
 
 impl Recipe {
     /// An edit with the way its pictures are kept.
     pub fn new(edit: Edit, export: PictureSettings) -> Self {
-        Self { body: Body::Shares(edit), export, whole: Value::Null }
+        Self { body: Body::Shares(edit), export, depth: None, whole: Value::Null }
     }
 
     /// The edit, for a photo whose disparity map is `map_width` pixels wide; only recipes of version 1 depend on that.
@@ -107,6 +112,12 @@ impl Recipe {
         Self { body: Body::Shares(edit), ..self }
     }
 
+    /// The same recipe with its depth from elsewhere. A map of one's own does not go into a recipe.
+    #[must_use]
+    pub fn with_depth(self, source: &DepthFrom) -> Self {
+        Self { depth: Some(source.clone()).filter(|source| *source != DepthFrom::Map), ..self }
+    }
+
     /// From JSON text.
     ///
     /// # Errors
@@ -117,19 +128,19 @@ impl Recipe {
             return Err("it is no JSON object".to_owned());
         }
         let version = whole.get("version").map_or(Some(1), Value::as_u64).ok_or("its version is no number")?;
-        let (body, export) = match version {
+        let (body, export, depth) = match version {
             0..VERSION => {
                 let stored: pixels::Stored = serde_json::from_value(whole.clone()).map_err(|e| e.to_string())?;
-                (Body::Pixels(stored.edit()), stored.export)
+                (Body::Pixels(stored.edit()), stored.export, None)
             }
             VERSION => {
-                let Stored { lens, viewpoint, export, .. } =
+                let Stored { lens, viewpoint, export, depth, .. } =
                     serde_json::from_value(whole.clone()).map_err(|e| e.to_string())?;
-                (Body::Shares(Edit { viewpoint, ..lens }), export)
+                (Body::Shares(Edit { viewpoint, ..lens }), export, depth.map(source::Stored::source))
             }
             later => return Err(format!("it is of version {later}, and this program knows {VERSION}; update it")),
         };
-        let recipe = Self { body, export, whole };
+        let recipe = Self { body, export, depth, whole };
         recipe.check()?;
         Ok(recipe)
     }
@@ -163,8 +174,12 @@ impl Recipe {
             Body::Pixels(edit) => serde_json::to_value(pixels::Stored::new(edit, &self.export)),
             Body::Shares(edit) => {
                 pixels::forget(&mut whole);
-                let (export, viewpoint) = (self.export.clone(), edit.viewpoint);
-                serde_json::to_value(Stored { version: VERSION, unit: UNIT.to_owned(), lens: *edit, viewpoint, export })
+                let depth = self.depth.as_ref().and_then(source::Stored::of);
+                if let (None, Some(keys)) = (&depth, whole.as_object_mut()) {
+                    keys.remove("depth");
+                }
+                let (export, viewpoint, unit) = (self.export.clone(), edit.viewpoint, UNIT.to_owned());
+                serde_json::to_value(Stored { version: VERSION, unit, lens: *edit, viewpoint, export, depth })
             }
         };
         merge(&mut whole, known.unwrap_or_default());
@@ -282,6 +297,24 @@ mod tests {
         assert_eq!((&out["lens"]["swirl"], &out["lens"]["f_number"]), (&3.into(), &8.0.into()));
         assert_eq!((&out["export"]["watermark"], &out["stars"][0]), (&"x".into(), &5.into()));
         assert_eq!((&out["version"], &out["unit"]), (&2.into(), &UNIT.into()));
+    }
+
+    #[test]
+    fn the_source_of_depth_is_kept_by_checksum_and_older_recipes_say_none() {
+        let tag = crate::synth::ModelTag { id: "mine".to_owned(), sha256: "a0".repeat(32) };
+        for source in [DepthFrom::Auto, DepthFrom::Phone, DepthFrom::Model("m".to_owned()), DepthFrom::Net(tag)] {
+            let text = recipe().with_depth(&source).to_json();
+            assert_eq!(Recipe::from_json(&text).unwrap().depth, Some(source));
+        }
+        let text = r#"{"version": 2, "depth": {"net": {"name": "mine", "sha256": "A0", "stars": 5}}}"#;
+        let read = Recipe::from_json(text).unwrap();
+        assert!(matches!(&read.depth, Some(DepthFrom::Net(tag)) if tag.sha256 == "a0"));
+        let kept: Value = serde_json::from_str(&read.clone().with_edit(edit()).to_json()).unwrap();
+        assert_eq!(kept["depth"]["net"]["stars"], 5);
+        let map: Value = serde_json::from_str(&read.with_depth(&DepthFrom::Map).to_json()).unwrap();
+        assert!(map.get("depth").is_none(), "a map of one's own is not in a recipe");
+        assert_eq!(Recipe::from_json(r#"{"version": 2, "lens": {}}"#).unwrap().depth, None);
+        assert!(Recipe::from_json(r#"{"version": 2, "depth": "lidar"}"#).unwrap_err().contains("lidar"));
     }
 
     #[test]

@@ -89,6 +89,7 @@ fn what_is_no_depth_net_is_refused_in_a_sentence() {
     for (bytes, word) in [
         (b"no net at all".to_vec(), "no ONNX file"),
         (Vec::new(), "no ONNX file"),
+        (vec![0; 1 << 20], "no ONNX file"),
         (whole[..whole.len() / 2].to_vec(), "was not added"),
         (words.bytes(), "takes no picture"),
         (two.bytes(), "several pictures"),

@@ -1,5 +1,6 @@
 //! A net is tried on a picture whose depth is known: which colours it wants, and which way its numbers run.
 
+use std::io::Read as _;
 use std::path::Path;
 use std::time::Instant;
 
@@ -8,9 +9,9 @@ use super::error::AdoptError;
 use super::family::{self, Colours, Family};
 use crate::field::{DisparityMap, Filter, RelativeDepth, View, correlation, resample, spearman};
 use crate::job::{Job, Stage};
-use crate::synth::library::{checksum, sha256};
+use crate::synth::library::checksum;
 use crate::synth::relative::{input_shape, map_of, relative_input, working_size};
-use crate::synth::tract::{EngineError, OnnxFile, Options, Output, Runnable, prepare_file, signs};
+use crate::synth::tract::{EngineError, OnnxBytes, OnnxFile, Options, Output, Runnable, prepare_file, signs};
 use crate::synth::{ColourOrder, LongSides, Manifest, RelativeOutput, Signed, Task};
 
 /// Least rank correlation with the known depth at which a net is taken for a depth net.
@@ -21,6 +22,8 @@ const PLAIN: f32 = 0.7;
 const BETTER: f32 = 0.03;
 /// No ONNX file is larger: it is a protobuf.
 const LARGEST_BYTES: u64 = i32::MAX as u64;
+/// First bytes that a model can have: its protobuf's fields, each eight times its number and the kind of its value.
+const FIRST: [u8; 9] = [0x08, 0x12, 0x1a, 0x22, 0x28, 0x32, 0x3a, 0x42, 0x72];
 
 /// A picture whose depth is known.
 #[derive(Clone, Copy, Debug)]
@@ -75,15 +78,17 @@ pub fn adopt(path: &Path, known: Known, any: bool, job: &Job) -> Result<Adopted,
     if length > LARGEST_BYTES {
         return Err(AdoptError::TooLarge { bytes: length });
     }
-    let bytes = std::fs::read(path).map_err(AdoptError::read(path))?;
     let engine = |source| match source {
         EngineError::Cancelled => AdoptError::Cancelled(crate::job::Cancelled),
         source => AdoptError::Engine { path: path.to_owned(), source },
     };
-    let signs = signs(&bytes).map_err(engine)?;
+    if !begins_as_onnx(path).map_err(AdoptError::read(path))? {
+        return Err(engine(EngineError::Parse { detail: "it does not begin as one".to_owned() }));
+    }
+    let signs = signs(OnnxBytes::File(path)).map_err(engine)?;
     let family = family::of(&signs);
     let draft = draft(&signs, family)?;
-    let mut manifest = manifest(path, &bytes, &draft, family);
+    let mut manifest = manifest(path, checksum(path).map_err(AdoptError::read(path))?, &draft, family);
     let mut all_bytes = length;
     for name in &signs.files {
         let file = path.with_file_name(name);
@@ -94,7 +99,7 @@ pub fn adopt(path: &Path, known: Known, any: bool, job: &Job) -> Result<Adopted,
     }
     let size = working_size(&manifest, known.view.size());
     let wiring = manifest.relative.wiring();
-    let file = OnnxFile { bytes: &bytes, folder: path.parent(), wiring: &wiring };
+    let file = OnnxFile { wiring: &wiring, ..OnnxFile::on_disk(path) };
     let net = prepare_file(&file, &input_shape(&manifest, size), &Options::default()).map_err(engine)?;
     let trial = Trial { net, manifest: &manifest, picture: Signed::resized(known.view, size, Filter::Lanczos3), known };
     let best = trial.best(&draft, family, job).map_err(engine)?;
@@ -105,13 +110,20 @@ pub fn adopt(path: &Path, known: Known, any: bool, job: &Job) -> Result<Adopted,
     Ok(Adopted { manifest, family: name, warning, correlation, seconds, bytes: all_bytes, depth })
 }
 
-fn manifest(path: &Path, bytes: &[u8], draft: &Draft, family: Option<&Family>) -> Manifest {
+/// Whether a file may be ONNX: what is not is never read whole, as it may be large.
+fn begins_as_onnx(path: &Path) -> std::io::Result<bool> {
+    let mut first = [0];
+    let mut file = std::fs::File::open(path)?;
+    Ok(file.read(&mut first)? == 1 && FIRST.contains(&first[0]))
+}
+
+fn manifest(path: &Path, sha256: String, draft: &Draft, family: Option<&Family>) -> Manifest {
     let text = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
     Manifest {
         id: text(path.file_stem()),
         task: Task::RelativeDepth,
         file: text(path.file_name()),
-        sha256: sha256(bytes),
+        sha256,
         licence: family.map(|family| family.licence.to_owned()).unwrap_or_default(),
         working_long_side: LongSides::One(draft.long_side),
         multiple_of: draft.multiple_of,

@@ -1,9 +1,8 @@
 //! The inspector: lens, viewpoint, ray depths, source, light field; views at its foot.
 
-use crate::ui::event::Listed;
 use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
-use super::source;
+use super::source::{self, Sources};
 use super::strip::{self, Views};
 use crate::field::{FNumber, Lens, LensShape, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::render::cpu::Colormap;
@@ -28,17 +27,17 @@ pub struct Inspector<'a> {
     pub edit: &'a mut Edit,
     /// Whether the viewpoint goes round.
     pub is_circling: &'a mut bool,
-    /// Colours, marks, the source of ray depths.
+    /// Colours and marks.
     pub settings: &'a mut Settings,
-    /// Further depth nets that ray depths can come from.
-    pub models: &'a [Listed],
+    /// Where ray depths come from, and can.
+    pub sources: Sources<'a>,
     /// Views and ray depths on the device.
     pub pictures: Option<&'a mut FieldPictures>,
 }
 
 /// Draws the inspector.
 pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
-    let Inspector { open, edit, is_circling, settings, models, mut pictures } = shown;
+    let Inspector { open, edit, is_circling, settings, sources, mut pictures } = shown;
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
@@ -56,7 +55,7 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                     actions.extend(viewpoint(eye, open.rays().map(|rays| &*rays.survey), ui));
                 }
                 actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
-                actions.extend(source::source(open, &settings.source, models, ui));
+                actions.extend(source::source(open, &sources, ui));
                 actions.extend(source::light_field(open, ui));
             });
         });
@@ -387,7 +386,8 @@ fn ray_depths(
                 let uv = Rect::from_min_max(pos2(0.0, cut), pos2(1.0, 1.0 - cut));
                 widgets::picture(ui.painter(), id, rect, uv, 1.0);
             }
-            if response.on_hover_text(Command::Depths.tip(ui.ctx())).clicked() {
+            let tip = format!("{}\n{}", Command::Depths.tip(ui.ctx()), Command::CompareSources.tip(ui.ctx()));
+            if response.on_hover_text(tip).clicked() {
                 action = Some(Action::Do(Command::Depths));
             }
             let colors = theme::palette(ui.ctx());

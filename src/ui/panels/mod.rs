@@ -1,10 +1,12 @@
 //! What lies where: the picture takes all the room there is, its other faces lie in line with it.
 
+mod added;
 mod canvas;
 mod depths;
 mod empty;
 mod epi;
 mod export;
+mod hint;
 mod inspector;
 mod many;
 mod near_end;
@@ -19,7 +21,7 @@ mod strip;
 mod top_bar;
 mod views;
 
-use egui::{Context, Rect, Ui, pos2, vec2};
+use egui::{Align2, Context, Rect, Ui, pos2, vec2};
 
 use super::action::Action;
 use super::apply;
@@ -27,7 +29,7 @@ use super::dialog::Dialog;
 use super::look::Face;
 use super::open::Open;
 use super::theme;
-use super::widgets::{inside, panel};
+use super::widgets::{inside, panel, veil_label};
 use super::window::Window;
 use canvas::Canvas;
 use depths::Depths;
@@ -35,6 +37,7 @@ use epi::Epis;
 use export::Export;
 use inspector::Inspector;
 use ruler::Ruler;
+use source::Sources;
 use status::Status;
 use strip::Views;
 use top_bar::TopBar;
@@ -86,6 +89,7 @@ fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -
     let canvas = Rect::from_min_max(work.min, work.max - vec2(room, room));
     window.look.canvas = canvas;
     let mut actions = inside(ui, canvas, |ui| face(window, ui, canvas));
+    compared(window, ui, canvas);
     if has_epis {
         let row = Rect::from_min_max(pos2(canvas.left(), canvas.bottom() + GAP), pos2(canvas.right(), work.bottom()));
         let column = Rect::from_min_max(pos2(canvas.right() + GAP, canvas.top()), pos2(work.right(), canvas.bottom()));
@@ -127,10 +131,30 @@ fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
     Vec::new()
 }
 
+/// Which source of depth is looked at; on the ray depths always, else while it is compared with another.
+fn compared(window: &Window, ui: &Ui, canvas: Rect) {
+    let is_compared = window.compare.at().is_some();
+    if !is_compared && window.look.face != Face::Depths {
+        return;
+    }
+    let all = window.sources();
+    let Some(index) = all.iter().position(|(source, _)| *source == window.looked_at()) else { return };
+    let (name, count) = (&all[index].1, all.len());
+    let text = match (is_compared, window.loading.running()) {
+        (true, Some(_)) => format!("{name} is being made · {} of {count} · S next · Esc back", index + 1),
+        (true, None) => format!("{name} · {} of {count} · S next · Shift+S keeps it · Esc back", index + 1),
+        (false, _) if count > 1 => format!("{name} · S compares {count} sources"),
+        (false, _) => name.clone(),
+    };
+    veil_label(ui, canvas.left_top() + vec2(8.0, 8.0), Align2::LEFT_TOP, &text);
+}
+
 fn inspector(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
+    let (source, sources) = (window.looked_at(), window.sources());
     let Window { open, edit, look, pictures, settings, models, .. } = window;
     let (pictures, is_circling) = (pictures.as_mut(), &mut look.is_circling);
-    inspector::show(Inspector { open, edit, is_circling, settings, models, pictures }, ui)
+    let sources = Sources { looked_at: source, all: sources, nets: models };
+    inspector::show(Inspector { open, edit, is_circling, settings, sources, pictures }, ui)
 }
 
 fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {
@@ -159,8 +183,14 @@ pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
         Some(Dialog::Settings) => settings::show(settings, ctx),
         Some(Dialog::Path(wanted, text)) => path_box::show(*wanted, text, ctx),
         Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),
+        Some(Dialog::Added(shown)) => added::show(shown, ctx),
         Some(Dialog::Many(files)) => many::show(files, ctx),
     }
+}
+
+/// Draws what is told once.
+pub fn hint(window: &Window, ctx: &Context) -> Option<Action> {
+    hint::show(window, ctx)
 }
 
 /// Draws the queue over the canvas's lower right corner, while it is open.

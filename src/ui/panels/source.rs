@@ -9,65 +9,67 @@ use crate::ui::ask::Ask;
 use crate::ui::command::Command;
 use crate::ui::event::Listed;
 use crate::ui::open::Open;
+use crate::ui::sources::{self, Choice};
 use crate::ui::{theme, widgets};
 
+/// Where ray depths come from, and can.
+pub struct Sources<'a> {
+    /// The source that is looked at.
+    pub looked_at: DepthFrom,
+    /// All that can be used.
+    pub all: Vec<Choice>,
+    /// Further depth nets, broken ones too.
+    pub nets: &'a [Listed],
+}
+
 /// Where a photo's ray depths come from.
-pub fn source(open: &Open, wanted: &DepthFrom, models: &[Listed], ui: &mut Ui) -> Option<Action> {
+pub fn source(open: &Open, sources: &Sources, ui: &mut Ui) -> Option<Action> {
     let Content::Photo(one) = &open.subject()?.content else { return None };
     let mut choices = vec![(DepthFrom::Network, "Network".to_owned())];
-    if one.phone.is_some() {
-        choices.extend([(DepthFrom::Phone, "Phone".to_owned()), (DepthFrom::Fused, "Fused".to_owned())]);
-    }
-    if one.own_map.is_some() {
-        choices.push((DepthFrom::Map, "Your map".to_owned()));
-    }
-    let preferred = models.iter().find(|net| net.is_preferred).map(|net| net.name.clone());
-    let best = one.best_source(preferred);
-    let is_there = |source: &DepthFrom| {
-        choices.iter().any(|(choice, _)| choice == source) || matches!(source, DepthFrom::Model(_))
-    };
-    // A source that this photo has not is its best one, until a photo comes that has it.
-    let mut source = if is_there(wanted) { wanted.clone() } else { best };
-    let before = source.clone();
-    let (mut own_map, mut action) = (None, None);
+    choices.extend(sources::of_photo(one));
+    let mut source = sources.looked_at.clone();
+    let (mut beside, mut action) = (None, None);
     let ctx = ui.ctx().clone();
     widgets::section(
         ui,
         "Source of ray depths",
         |ui| {
-            if widgets::link(ui, "depth map…").on_hover_text(Command::OwnDepth.tip(&ctx)).clicked() {
-                own_map = Some(Action::Do(Command::OwnDepth));
+            let mut link = |ui: &mut Ui, label: &str, command: Command| {
+                if widgets::link(ui, label).on_hover_text(command.tip(&ctx)).clicked() {
+                    beside = Some(Action::Do(command));
+                }
+            };
+            link(ui, "depth map…", Command::OwnDepth);
+            if sources.all.len() > 1 {
+                link(ui, "compare", Command::CompareSources);
             }
         },
         |ui| {
             if choices.len() > 1 {
                 widgets::segmented(ui, "Source", &mut source, &choices);
             }
-            action = model_menu(ui, &mut source, models);
+            action = model_menu(ui, &mut source, sources.nets);
         },
     );
-    if source != before { Some(Action::TakeDepths(source)) } else { action.or(own_map) }
+    if source != sources.looked_at { Some(Action::TakeDepths(source)) } else { action.or(beside) }
 }
 
 /// Further depth nets, and what can be done with them.
-fn model_menu(ui: &mut Ui, source: &mut DepthFrom, models: &[Listed]) -> Option<Action> {
+fn model_menu(ui: &mut Ui, source: &mut DepthFrom, nets: &[Listed]) -> Option<Action> {
     let colors = theme::palette(ui.ctx());
     let mut action = None;
     ui.horizontal(|ui| {
         ui.label(RichText::new("Model").color(colors.weak));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let name = match &*source {
-                DepthFrom::Model(id) => id.as_str(),
-                _ => "built-in",
-            };
+            let name = source.net_name().unwrap_or("built-in");
             ui.menu_button(RichText::new(format!("{name} ▼")).color(colors.strong), |ui| {
-                if ui.selectable_label(!matches!(source, DepthFrom::Model(_)), "built-in").clicked() {
+                if ui.selectable_label(source.net_name().is_none(), "built-in").clicked() {
                     *source = DepthFrom::Network;
                     ui.close();
                 }
-                models.iter().for_each(|net| net_entry(ui, source, net));
+                nets.iter().for_each(|net| net_entry(ui, source, net));
                 ui.separator();
-                action = net_actions(ui, source, models);
+                action = net_actions(ui, source, nets);
             });
         });
     });
@@ -76,7 +78,7 @@ fn model_menu(ui: &mut Ui, source: &mut DepthFrom, models: &[Listed]) -> Option<
 
 /// One net; a broken one says why on hover.
 fn net_entry(ui: &mut Ui, source: &mut DepthFrom, net: &Listed) {
-    let choice = DepthFrom::Model(net.name.clone());
+    let choice = net.source();
     let label = Button::selectable(*source == choice, &net.name);
     let entry = ui.add_enabled(net.fault.is_none(), label);
     if let Some(fault) = &net.fault {
@@ -87,19 +89,22 @@ fn net_entry(ui: &mut Ui, source: &mut DepthFrom, net: &Listed) {
     }
 }
 
-/// Add one; use the chosen one always; remove it.
-fn net_actions(ui: &mut Ui, source: &DepthFrom, models: &[Listed]) -> Option<Action> {
+/// Add one; use the chosen one always; remove it. A broken one can be removed too.
+fn net_actions(ui: &mut Ui, source: &DepthFrom, nets: &[Listed]) -> Option<Action> {
     let mut action = None;
     let tip = "An ONNX file: it is tried on the sample and kept. A file can be dropped on the window, too";
     if ui.button("Add a depth net…").on_hover_text(tip).clicked() {
         action = Some(Action::Ask(Ask::Net));
     }
-    let chosen = models.iter().find(|net| net.is_added && *source == DepthFrom::Model(net.name.clone()));
+    let chosen = nets.iter().find(|net| net.is_added && *source == net.source());
     if let Some(net) = chosen {
         let mut is_preferred = net.is_preferred;
         if ui.checkbox(&mut is_preferred, "Use for all photos").clicked() {
             action = Some(Action::ChangeNets(Change::Prefer(is_preferred.then(|| net.name.clone()))));
         }
+    }
+    let broken = nets.iter().filter(|net| net.is_added && net.fault.is_some());
+    for net in chosen.into_iter().chain(broken) {
         if ui.button(format!("Remove {}", net.name)).clicked() {
             action = Some(Action::ChangeNets(Change::Remove(net.name.clone())));
         }
