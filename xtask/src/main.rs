@@ -1,7 +1,9 @@
-//! Chores that need more than a line of shell: `cargo xtask test`, `cargo xtask bench`.
+//! Chores that need more than a line of shell: `cargo xtask test`, `cargo xtask bench`, `cargo xtask package`.
 
+mod beyond;
 mod nets;
 mod onnxruntime;
+mod package;
 mod system;
 
 use std::path::{Path, PathBuf};
@@ -10,7 +12,10 @@ use std::process::{Command, ExitCode};
 use anyhow::{Context, Result, bail};
 
 const USAGE: &str = "usage: cargo xtask test [--all] [ARG…]   all tests, tract against ONNX Runtime among them; --all
-                                  also exports depth nets with PyTorch (gigabytes) and compares those
+                                  also exports depth nets with PyTorch (gigabytes) and compares those, runs a
+                                  job array on Slurm, and installs the .deb into bare Debian systems
+       cargo xtask beyond         those two last ones alone
+       cargo xtask package        what people install, for this system, into target/packages
        cargo xtask bench [ARG…]   plenoscope bench with ONNX Runtime beside it
        cargo xtask onnxruntime    fetches ONNX Runtime and prints where it is
 
@@ -23,6 +28,8 @@ fn main() -> ExitCode {
     let done = match task.as_str() {
         "test" => test(&rest),
         "bench" => bench(&rest),
+        "beyond" => beyond::all(&root()),
+        "package" => package::make(&root()).map(|made| made.iter().for_each(|file| say(&file.display().to_string()))),
         "onnxruntime" => onnxruntime::library(&root()).map(|path| say(&path.display().to_string())),
         _ => Err(anyhow::anyhow!("{USAGE}")),
     };
@@ -55,7 +62,11 @@ fn test(args: &[String]) -> Result<()> {
         }
         Err(error) => eprintln!("\nxtask: SKIPPED: tract is NOT checked against ONNX Runtime: {error:#}\n"),
     }
-    run(cargo.args(args))
+    let tested = run(cargo.args(args));
+    if !all.is_empty() {
+        beyond::all(&root)?;
+    }
+    tested
 }
 
 /// Runs `plenoscope bench` with ONNX Runtime timed on the same files.

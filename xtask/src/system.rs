@@ -38,6 +38,16 @@ pub fn ensure() -> Result<()> {
     run(Command::new("apt-get").args(["install", "-yq", "--no-install-recommends"]).args(&missing))
 }
 
+/// Whether programs of further packages are there, installed first where that needs nobody's password.
+pub fn brings(packages: &[&str], programs: &[&str]) -> Result<bool> {
+    let all_there = || programs.iter().all(|program| on_path(program));
+    if is_root() && !all_there() && on_path("apt-get") {
+        run(Command::new("apt-get").args(["update", "-q"]))?;
+        run(Command::new("apt-get").args(["install", "-yq", "--no-install-recommends"]).args(packages))?;
+    }
+    Ok(is_root() && all_there())
+}
+
 /// In CI a missing package is an error; elsewhere the tests that need it skip, and this says so first.
 fn by_hand_only(command: &str) -> Result<()> {
     if std::env::var_os("CI").is_some() {
