@@ -3,6 +3,8 @@
 
 mod agree;
 mod basics;
+mod batch;
+mod book;
 mod common;
 mod light_field;
 mod nets;
