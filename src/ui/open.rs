@@ -57,7 +57,7 @@ pub struct Made {
 impl Made {
     /// Memory that views and ray depths take.
     pub fn bytes(&self) -> usize {
-        let rays = self.rays.depths.disparity_px().len() * size_of::<f32>();
+        let rays = size_of_val(self.rays.depths.disparity_px());
         let views = self.scene.views().map_or(&[][..], |views| views.field.views());
         rays + views.iter().map(|view| view.rgba().len()).sum::<usize>()
     }
