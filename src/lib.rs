@@ -13,6 +13,7 @@
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`background`]: what goes on behind near edges.
+//! * [`repair`]: depth mended by hand, as a list of operations on a map.
 //! * [`scene`]: the one way from a file to a picture, with edits, recipes, exports and batches.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
@@ -56,6 +57,7 @@ pub mod job;
 pub mod kernel;
 mod panics;
 pub mod render;
+pub mod repair;
 pub mod scene;
 pub mod shard;
 pub mod synth;

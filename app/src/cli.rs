@@ -191,6 +191,14 @@ pub struct SynthArgs {
     pub no_cache: bool,
 }
 
+/// An edit whose depth is used.
+#[derive(Clone, Debug, Args)]
+pub struct RecipeArgs {
+    /// An edit as the window keeps it: where its depth comes from and what was mended of it; other arguments go before it
+    #[arg(long, value_name = "FILE.json")]
+    pub recipe: Option<PathBuf>,
+}
+
 /// Arguments of `refocus`.
 #[derive(Debug, Args)]
 pub struct Refocus {
@@ -268,6 +276,8 @@ pub struct View {
     #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
     pub at: Pair,
     #[command(flatten)]
+    pub recipe: RecipeArgs,
+    #[command(flatten)]
     pub synth: SynthArgs,
     /// Write even over the input
     #[arg(long)]
@@ -293,6 +303,8 @@ pub struct Epi {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub scale: u32,
     #[command(flatten)]
+    pub recipe: RecipeArgs,
+    #[command(flatten)]
     pub synth: SynthArgs,
     /// Write even over the input
     #[arg(long)]
@@ -314,6 +326,8 @@ pub struct Depth {
     #[arg(long, value_name = "MAP")]
     pub colormap: Option<Colors>,
     #[command(flatten)]
+    pub recipe: RecipeArgs,
+    #[command(flatten)]
     pub synth: SynthArgs,
     /// Write even over the input
     #[arg(long)]
@@ -331,6 +345,8 @@ pub struct Synth {
     /// How it is written
     #[arg(long, value_name = "FORMAT", default_value = "views", value_parser = values::field_formats())]
     pub format: Kind,
+    #[command(flatten)]
+    pub recipe: RecipeArgs,
     #[command(flatten)]
     pub synth: SynthArgs,
 }
@@ -363,6 +379,8 @@ pub struct Export {
     /// Distance of the eyes of anaglyph and side-by-side, in view steps
     #[arg(long, value_name = "STEPS", default_value_t = Settings::EYES_APART, value_parser = values::eyes_apart)]
     pub eyes_apart: f32,
+    #[command(flatten)]
+    pub recipe: RecipeArgs,
     #[command(flatten)]
     pub synth: SynthArgs,
     /// Write even over the input

@@ -11,6 +11,7 @@ use crate::field::{DisparityMap, RelativeDepth, fit_long_side};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::{EmbeddedDepth, exif};
 use crate::job::Job;
+use crate::repair::Repairs;
 use crate::synth::adopt::Shelf;
 use crate::synth::cache::Cache;
 use crate::synth::range::{Camera, Estimate};
@@ -37,6 +38,8 @@ pub struct Making {
     pub models: ModelSource,
     /// The nets that the person added.
     pub shelf: Option<Shelf>,
+    /// What was mended of its depth.
+    pub repairs: Repairs,
 }
 
 impl Making {
@@ -51,12 +54,13 @@ impl Making {
         }
     }
 
-    /// The same with the source of depth that a recipe names, where no other was asked for.
+    /// The same with the source of depth that a recipe names, where no other was asked for, and with its repairs.
     #[must_use]
     pub fn with_recipe(&self, recipe: &Recipe) -> Self {
+        let how = Self { repairs: recipe.repairs.clone(), ..self.clone() };
         match (&self.source, &recipe.depth) {
-            (DepthFrom::Auto, Some(source)) => Self { source: source.clone(), ..self.clone() },
-            _ => self.clone(),
+            (DepthFrom::Auto, Some(source)) => Self { source: source.clone(), ..how },
+            _ => how,
         }
     }
 
@@ -68,8 +72,8 @@ impl Making {
 
 impl Default for Making {
     fn default() -> Self {
-        let (source, models) = (DepthFrom::default(), ModelSource::default());
-        Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models, shelf: None }
+        let (source, models, repairs) = (DepthFrom::default(), ModelSource::default(), Repairs::default());
+        Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models, shelf: None, repairs }
     }
 }
 
@@ -108,6 +112,8 @@ impl Maker {
             Content::Photo(one) => self.of_photo(subject, one, how, need, job)?,
             Content::Views(recorded) => self.of_views(subject, recorded, how, job)?,
         };
+        // After the cache: whatever was kept, or comes from elsewhere, is mended alike.
+        let scene = scene.mended(&how.repairs, job)?;
         let took = started.elapsed();
         log::info!("{}: {:?} in {:.3} s", subject.name, need, took.as_secs_f32());
         Ok(scene.timed(took))

@@ -19,6 +19,7 @@ mod error;
 pub mod export;
 pub mod focus;
 mod make;
+mod mended;
 pub mod models;
 mod picture;
 pub mod recipe;

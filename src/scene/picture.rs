@@ -55,6 +55,8 @@ pub struct Scene {
     map: Arc<DisparityMap>,
     subject_at: OnceLock<[f32; 2]>,
     views: Option<MadeViews>,
+    /// The scene before its depth was mended, where it was.
+    unmended: Option<Arc<Self>>,
     made_by: MadeBy,
     took: Duration,
 }
@@ -94,7 +96,7 @@ impl Scene {
     pub(super) fn of_map(subject: &Arc<Subject>, map: Arc<DisparityMap>, made_by: MadeBy) -> Result<Self, SceneError> {
         Rgbd::check(subject.size(), &map)?;
         let (subject, subject_at) = (Arc::clone(subject), OnceLock::new());
-        Ok(Self { subject, map, subject_at, views: None, made_by, took: Duration::ZERO })
+        Ok(Self { subject, map, subject_at, views: None, unmended: None, made_by, took: Duration::ZERO })
     }
 
     /// Of views; `given` is the map that they were made from, where that is known better than at their size.
@@ -110,6 +112,18 @@ impl Scene {
 
     pub(super) fn timed(self, took: Duration) -> Self {
         Self { took, ..self }
+    }
+
+    /// The same with another map, and views of it where there were views.
+    pub(super) fn with_mended(&self, map: Arc<DisparityMap>, views: Option<MadeViews>) -> Result<Self, SceneError> {
+        Rgbd::check(self.subject.size(), &map)?;
+        let unmended = Some(Arc::new(self.unmended().clone()));
+        Ok(Self { map, subject_at: OnceLock::new(), views, unmended, ..self.clone() })
+    }
+
+    /// The same scene before its depth was mended.
+    pub fn unmended(&self) -> &Self {
+        self.unmended.as_deref().unwrap_or(self)
     }
 
     /// What it is a scene of.

@@ -11,6 +11,7 @@
 pub mod adopt;
 pub mod cache;
 mod cached;
+pub mod carry;
 mod depth;
 mod error;
 mod far_side;

@@ -22,6 +22,7 @@ use super::tiles::Tiled;
 use super::toasts::Toasts;
 use super::worker::Outbox;
 use super::workers::Workers;
+use crate::repair::Repairs;
 use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
 use crate::synth::ModelSource;
 use crate::synth::adopt::Shelf;
@@ -163,6 +164,8 @@ impl Window {
             source: self.source.clone(),
             models,
             shelf: self.shelf.clone(),
+            // Mended light fields are made of those that are open.
+            repairs: Repairs::default(),
         }
     }
 

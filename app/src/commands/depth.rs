@@ -24,7 +24,7 @@ pub fn run(args: &Depth, job: &Job) -> Result<()> {
         bail!(Usage("a map is written as .pfm or .png — name such a file or add --colormap".to_owned()));
     }
     let need = if args.view.is_some() { Need::Views } else { Need::Map };
-    let scene = input::scene(&args.input, &args.synth, need, job)?;
+    let scene = input::scene(&args.input, &args.synth, &args.recipe, need, job)?;
     let map = map(&scene, args.view)?;
     job.advance(Stage::Save, 0, 1)?;
     match args.colormap {

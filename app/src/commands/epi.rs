@@ -15,7 +15,7 @@ use crate::cli::Epi;
 pub fn run(args: &Epi, job: &Job) -> Result<()> {
     let output = Output { file: &args.output, input: &args.input, force: args.force };
     output.check()?;
-    let scene = input::scene(&args.input, &args.synth, Need::Views, job)?;
+    let scene = input::scene(&args.input, &args.synth, &args.recipe, Need::Views, job)?;
     let field = &scene.made_views()?.field;
     let reference = field.grid().reference();
     let [width, height] = field.size();

@@ -26,7 +26,7 @@ pub fn synth(args: &Synth, job: &Job) -> Result<()> {
     let settings = Settings { kind: args.format, ..Settings::default() };
     let target = target(&args.output, &settings, &args.photo);
     Output { file: &target, input: &args.photo, force: false }.check_written(args.format)?;
-    let making = input::making(&args.synth);
+    let making = input::making_with(&args.synth, input::recipe(&args.recipe)?.as_ref());
     let scene = input::maker(&args.synth).scene(&subject, &making, args.format.need(settings.size()), job)?;
     make_folder(&target)?;
     Ok(export::write(&scene, &Edit::default(), &settings, &target, job)?)
@@ -37,10 +37,12 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
     let settings = settings(args);
     let target = target(&args.output, &settings, &args.input);
     Output { file: &target, input: &args.input, force: args.force }.check_written(args.kind)?;
-    let scene = input::scene(&args.input, &args.synth, args.kind.need(settings.size()), job)?;
-    let edit = lens_args::edit(&args.lens, lens_args::plain(), &scene)?;
-    let edit = match (args.kind, args.lens.f_number) {
-        (Kind::Animation, None) => Edit { f_number: args.motion.usual_f_number(), ..edit },
+    let scene = input::scene(&args.input, &args.synth, &args.recipe, args.kind.need(settings.size()), job)?;
+    let recipe = input::recipe(&args.recipe)?;
+    let base = recipe.map_or_else(lens_args::plain, |recipe| recipe.edit(scene.map().size()[0]));
+    let edit = lens_args::edit(&args.lens, base, &scene)?;
+    let edit = match (args.kind, args.lens.f_number, &args.recipe.recipe) {
+        (Kind::Animation, None, None) => Edit { f_number: args.motion.usual_f_number(), ..edit },
         _ => edit,
     };
     if args.kind.spec().group == Group::LightField {

@@ -7,12 +7,12 @@ use anyhow::Result;
 use plenoscope::io::formats::depth_map::GivenDepth;
 use plenoscope::io::formats::pfm;
 use plenoscope::job::Job;
-use plenoscope::scene::{DepthFrom, Maker, Making, Need, Scene, Subject};
+use plenoscope::scene::{DepthFrom, Maker, Making, Need, Recipe, Scene, Subject};
 use plenoscope::synth::ModelSource;
 use plenoscope::synth::adopt::Shelf;
 use plenoscope::synth::cache::Cache;
 
-use crate::cli::SynthArgs;
+use crate::cli::{RecipeArgs, SynthArgs};
 
 /// Opens a photo or a light field; a photo with the map of `--disparity`.
 pub fn subject(path: &Path, args: &SynthArgs, job: &Job) -> Result<Arc<Subject>> {
@@ -29,9 +29,21 @@ pub fn own_map(args: &SynthArgs) -> Result<Option<GivenDepth>> {
     Ok(map.map(|map| GivenDepth::Disparity(Arc::new(map))))
 }
 
-/// Opens a photo or a light field, and makes of it what is needed.
-pub fn scene(path: &Path, args: &SynthArgs, need: Need, job: &Job) -> Result<Scene> {
-    Ok(maker(args).scene(&subject(path, args, job)?, &making(args), need, job)?)
+/// Opens a photo or a light field, and makes of it what is needed; its depth as the edit says, where one is named.
+pub fn scene(path: &Path, args: &SynthArgs, edit: &RecipeArgs, need: Need, job: &Job) -> Result<Scene> {
+    let making = making_with(args, recipe(edit)?.as_ref());
+    Ok(maker(args).scene(&subject(path, args, job)?, &making, need, job)?)
+}
+
+/// The edit that is named.
+pub fn recipe(args: &RecipeArgs) -> Result<Option<Recipe>> {
+    Ok(args.recipe.as_deref().map(Recipe::read).transpose()?)
+}
+
+/// How light fields are made, as the arguments name it and the edit says it.
+pub fn making_with(args: &SynthArgs, recipe: Option<&Recipe>) -> Making {
+    let making = making(args);
+    recipe.map_or_else(|| making.clone(), |recipe| making.with_recipe(recipe))
 }
 
 /// How light fields are made, as the arguments name it.
@@ -44,6 +56,7 @@ pub fn making(args: &SynthArgs) -> Making {
         source,
         models: model_source(args.models.as_deref()),
         shelf: Shelf::user(),
+        ..Making::default()
     }
 }
 

@@ -24,8 +24,7 @@ pub fn run(args: &Refocus, job: &Job) -> Result<()> {
     let need = Kind::Picture.need(settings.size());
     // A map that is given spares all nets.
     let lambertian = args.synth.lambertian || args.synth.disparity.is_some();
-    let making = input::making(&SynthArgs { lambertian, ..args.synth.clone() });
-    let making = recipe.as_ref().map_or_else(|| making.clone(), |recipe| making.with_recipe(recipe));
+    let making = input::making_with(&SynthArgs { lambertian, ..args.synth.clone() }, recipe.as_ref());
     let scene = input::maker(&args.synth).scene(&subject, &making, need, job)?;
     let edit = edit(args, recipe.as_ref(), &scene)?;
     Ok(export::write(&scene, &edit, &settings, &args.output, job)?)

@@ -14,7 +14,7 @@ use crate::cli::View;
 pub fn run(args: &View, job: &Job) -> Result<()> {
     let output = Output { file: &args.output, input: &args.input, force: args.force };
     output.check()?;
-    let scene = input::scene(&args.input, &args.synth, Need::Views, job)?;
+    let scene = input::scene(&args.input, &args.synth, &args.recipe, Need::Views, job)?;
     let views = scene.made_views()?;
     let wanted = ViewOffset { du: args.at.0, dv: args.at.1 };
     let inside = views.field.grid().clamp(wanted);

@@ -191,3 +191,52 @@ fn first_file(folder: &std::path::Path) -> String {
     let entry = fs::read_dir(folder).unwrap().next().unwrap().unwrap();
     entry.path().to_string_lossy().into_owned()
 }
+
+#[test]
+fn every_command_takes_the_repairs_of_a_recipe() {
+    let dir = sample();
+    let click = r#"{"region": {"of": {"click": {"at": [0.43, 0.42], "size": 0.15}}, "do": {"farther": 0.003}}}"#;
+    fs::write(dir.path("r.json"), format!(r#"{{"version": 2, "repairs": {{"list": [{click}]}}}}"#)).unwrap();
+    let recipe = dir.arg("r.json");
+    let differs = |command: &str, name: &str, rest: &[&str]| {
+        let made = |name: &str, more: &[&str]| {
+            on_sample(&dir, command, &[rest, more, &["-o", &dir.arg(name)]].concat()).success();
+            fs::read(dir.path(name)).unwrap()
+        };
+        let (plain, mended) = (made(name, &[]), made(&format!("mended-{name}"), &["--recipe", &recipe]));
+        assert!(plain != mended, "{command} is the same with repairs");
+    };
+    differs("refocus", "r.png", &[]);
+    differs("view", "v.png", &["--at", "3,0"]);
+    differs("epi", "e.png", &["--row", "33"]);
+    differs("depth", "d.pfm", &[]);
+    differs("depth", "d0.pfm", &["--view", "1,1"]);
+    differs("export", "g.jpg", &["--as", "gdepth"]);
+    differs("export", "s.png", &["--as", "side-by-side"]);
+}
+
+#[test]
+fn repairs_that_cannot_be_done_are_told_in_one_sentence() {
+    let dir = sample();
+    let told = |text: &str| {
+        fs::write(dir.path("r.json"), text).unwrap();
+        let run = on_sample(&dir, "depth", &["--recipe", &dir.arg("r.json"), "-o", &dir.arg("d.pfm")]);
+        let output = run.get_output();
+        (output.status.success(), String::from_utf8(output.stderr.clone()).unwrap())
+    };
+    let stroke = r#"{"stroke": {"brush": "nearer", "path": [[0.5, 0.5]], "size": 0.01, "strength": 1}}"#;
+    let strokes = vec![stroke; 10_000].join(",");
+    for (list, said) in [
+        (strokes.as_str(), "9000 repairs"),
+        (r#"{"warp": 1}"#, "one repair"),
+        (&stroke.replace("0.5, 0.5", "7, 7"), "one repair"),
+    ] {
+        let (is_done, said_there) = told(&format!(r#"{{"version": 2, "repairs": {{"list": [{list}]}}}}"#));
+        assert!(is_done && said_there.matches(said).count() == 1, "{said_there}");
+    }
+    let other = "0".repeat(64);
+    let (is_done, said) = told(&format!(r#"{{"version": 2, "repairs": {{"photo": "{other}", "list": [{stroke}]}}}}"#));
+    assert!(is_done && said.contains("another photo"), "{said}");
+    let (is_done, said) = told(r#"{"version": 2, "repairs": [1]}"#);
+    assert!(!is_done && said.starts_with("error: ") && !said.contains("panicked"), "{said}");
+}

@@ -111,7 +111,8 @@ pub enum BatchError {
 impl Order {
     /// What its pictures are known by: recipe, nets, and how depth is made.
     pub(super) fn key(&self) -> String {
-        let Making { long_side, occlusion, source, models, shelf, threads: _ } = &self.making;
+        // Repairs come with the recipe.
+        let Making { long_side, occlusion, source, models, shelf, threads: _, repairs: _ } = &self.making;
         let mut hash = Sha256::new();
         hash.update(self.recipe.to_json());
         hash.update(format!("{long_side} {occlusion} {source:?} {:?}", self.own_map));

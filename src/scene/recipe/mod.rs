@@ -3,7 +3,8 @@
 //! A recipe says its `version` and its `unit`. In version 2 disparities are shares of the picture's width per view step
 //! ([`Edit`]); in version 1, which has no `version`, they are pixels of the map that the photo then had (`pixels`).
 //! Its `depth` says where the depth came from: `"auto"`, `"network"`, `"phone"`, `"fused"`, or a net by its checksum,
-//! `{"net": {"name": "…", "sha256": "…"}}`. What is unknown here stays in the file.
+//! `{"net": {"name": "…", "sha256": "…"}}`. Its `repairs` are what was mended of that depth ([`crate::repair`]). What is
+//! unknown here stays in the file.
 
 mod error;
 mod pixels;
@@ -17,14 +18,15 @@ use serde_json::Value;
 use super::{DepthFrom, Edit, Focus, OutputSize, source};
 use crate::field::ViewPoint;
 use crate::io::save::{Format, Keep, SaveError, atomic};
+use crate::repair::Repairs;
 
 pub use error::RecipeError;
 use pixels::PixelEdit;
 
 /// What is appended to a photo's name for its sidecar.
 const SIDECAR: &str = ".plenoscope.json";
-/// A recipe is small; what is larger is none.
-const LARGEST_BYTES: u64 = 1 << 20;
+/// A recipe is small, even with many strokes; what is larger is none.
+const LARGEST_BYTES: u64 = 16 << 20;
 /// The version that is written.
 const VERSION: u64 = 2;
 /// What its numbers mean, for whoever reads the file.
@@ -63,6 +65,8 @@ pub struct Recipe {
     pub export: PictureSettings,
     /// Where its ray depths come from; none where the recipe does not say it.
     pub depth: Option<DepthFrom>,
+    /// What was mended of them.
+    pub repairs: Repairs,
     /// All that was in the file, so that what is unknown here is not lost.
     whole: Value,
 }
@@ -90,12 +94,14 @@ struct Stored {
     export: PictureSettings,
     #[serde(skip_serializing_if = "Option::is_none")]
     depth: Option<source::Stored>,
+    #[serde(skip_serializing_if = "Repairs::is_empty")]
+    repairs: Repairs,
 }
 
 impl Recipe {
     /// An edit with the way its pictures are kept.
     pub fn new(edit: Edit, export: PictureSettings) -> Self {
-        Self { body: Body::Shares(edit), export, depth: None, whole: Value::Null }
+        Self { body: Body::Shares(edit), export, ..Self::default() }
     }
 
     /// The edit, for a photo whose disparity map is `map_width` pixels wide; only recipes of version 1 depend on that.
@@ -118,6 +124,12 @@ impl Recipe {
         Self { depth: Some(source.clone()).filter(|source| *source != DepthFrom::Map), ..self }
     }
 
+    /// The same recipe with other repairs.
+    #[must_use]
+    pub fn with_repairs(self, repairs: Repairs) -> Self {
+        Self { repairs, ..self }
+    }
+
     /// From JSON text.
     ///
     /// # Errors
@@ -128,19 +140,19 @@ impl Recipe {
             return Err("it is no JSON object".to_owned());
         }
         let version = whole.get("version").map_or(Some(1), Value::as_u64).ok_or("its version is no number")?;
-        let (body, export, depth) = match version {
+        let (body, export, depth, repairs) = match version {
             0..VERSION => {
                 let stored: pixels::Stored = serde_json::from_value(whole.clone()).map_err(|e| e.to_string())?;
-                (Body::Pixels(stored.edit()), stored.export, None)
+                (Body::Pixels(stored.edit()), stored.export, None, Repairs::default())
             }
             VERSION => {
-                let Stored { lens, viewpoint, export, depth, .. } =
+                let Stored { lens, viewpoint, export, depth, repairs, .. } =
                     serde_json::from_value(whole.clone()).map_err(|e| e.to_string())?;
-                (Body::Shares(Edit { viewpoint, ..lens }), export, depth.map(source::Stored::source))
+                (Body::Shares(Edit { viewpoint, ..lens }), export, depth.map(source::Stored::source), repairs)
             }
             later => return Err(format!("it is of version {later}, and this program knows {VERSION}; update it")),
         };
-        let recipe = Self { body, export, depth, whole };
+        let recipe = Self { body, export, depth, repairs, whole };
         recipe.check()?;
         Ok(recipe)
     }
@@ -178,8 +190,12 @@ impl Recipe {
                 if let (None, Some(keys)) = (&depth, whole.as_object_mut()) {
                     keys.remove("depth");
                 }
+                if let (true, Some(keys)) = (self.repairs.is_empty(), whole.as_object_mut()) {
+                    keys.remove("repairs");
+                }
                 let (export, viewpoint, unit) = (self.export.clone(), edit.viewpoint, UNIT.to_owned());
-                serde_json::to_value(Stored { version: VERSION, unit, lens: *edit, viewpoint, export, depth })
+                let (lens, repairs) = (*edit, self.repairs.clone());
+                serde_json::to_value(Stored { version: VERSION, unit, lens, viewpoint, export, depth, repairs })
             }
         };
         merge(&mut whole, known.unwrap_or_default());
