@@ -25,6 +25,8 @@ pub struct Batch {
     pub yx: Vec<[f32; 4]>,
     /// What the truth of each sample is worth, 0 … 1.
     pub worth: Vec<f32>,
+    /// How much of each pixel of a sample's reference view is its subject, 255 = all; empty where that is not known.
+    pub subjects: Vec<Vec<u8>>,
 }
 
 impl Batch {
@@ -64,6 +66,17 @@ pub fn blank_patches(input: &mut [f32], channels: usize, [w, h]: [usize; 2], par
                 let value = rng.range(-1.0, 1.0);
                 channel.chunks_mut(w).skip(top).take(ph).for_each(|row| row[left..left + pw].fill(value));
             }
+        }
+    }
+}
+
+/// Takes the coordinates from a part of the photos in a net's input `[n, channels, h, w]`, that it learns what a picture
+/// tells without them: the middle's stand everywhere.
+pub fn drop_coordinates(input: &mut [f32], channels: usize, plane: usize, part: f32, rng: &mut Rng) {
+    let colours = 3;
+    for photo in input.chunks_mut(channels * plane).filter(|photo| photo.len() > colours * plane) {
+        if rng.chance(part) {
+            photo[colours * plane..].fill(0.0);
         }
     }
 }
@@ -155,6 +168,7 @@ pub(crate) mod tests {
                 truth,
                 yx: vec![[-1.0, 1.0, -1.0, 1.0]; samples],
                 worth: vec![1.0; samples],
+                subjects: vec![Vec::new(); samples],
                 maps,
             })
         })
@@ -181,6 +195,22 @@ pub(crate) mod tests {
         let input = toy(1, (4, 2))(0).unwrap().net_input(true);
         assert_eq!(input[24..32], [-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
         assert_eq!((input[32], input[35], input[36]), (-1.0, 1.0, -1.0));
+    }
+
+    #[test]
+    fn coordinates_are_taken_from_a_part_of_the_photos_and_colours_from_none() {
+        let input = vec![0.5; 100 * 5 * 6];
+        let mut dropped = input.clone();
+        drop_coordinates(&mut dropped, 5, 6, 0.3, &mut Rng::new(3, 0));
+        let photos = || dropped.chunks(5 * 6);
+        assert!(photos().all(|photo| photo[..18] == input[..18]));
+        let without = photos().filter(|photo| photo[18..].iter().all(|c| *c == 0.0)).count();
+        let with = photos().filter(|photo| photo[18..] == input[..12]).count();
+        assert_eq!(without + with, 100);
+        assert!((15..45).contains(&without), "{without}");
+        let mut colours = vec![0.5; 3 * 6];
+        drop_coordinates(&mut colours, 3, 6, 1.0, &mut Rng::new(3, 0));
+        assert!(colours.iter().all(|c| *c == 0.5));
     }
 
     #[test]

@@ -95,5 +95,6 @@ fn random_batch(samples: usize, (width, height): (usize, usize), views: Vec<usiz
     let mut rng = Rng::new(3, 0);
     let views = (0..3 * maps.len()).map(|_| rng.unit()).collect();
     let truth = (0..maps.len()).map(|_| rng.range(-0.5, 0.5)).collect();
-    Batch { first_sample: 0, views, truth, yx: vec![[-1.0, 1.0, -1.0, 1.0]; samples], worth: vec![1.0; samples], maps }
+    let (yx, worth) = (vec![[-1.0, 1.0, -1.0, 1.0]; samples], vec![1.0; samples]);
+    Batch { first_sample: 0, views, truth, yx, worth, subjects: vec![Vec::new(); samples], maps }
 }

@@ -59,6 +59,10 @@ pub struct LossWeights {
     #[arg(long, default_value_t = 0.5, help_heading = "Losses")]
     #[serde(default)]
     pub w_columns: f32,
+    /// Order across the edge of a masked subject, whatever its map says
+    #[arg(long, default_value_t = 0.3, help_heading = "Losses")]
+    #[serde(default)]
+    pub w_subject: f32,
     /// Least step of the true ray depths that makes such a pair, px per view step
     #[arg(long, default_value_t = 0.12, help_heading = "Losses")]
     pub ordinal_apart_px: f32,
@@ -159,6 +163,10 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub blank: f32,
+    /// Part of the photos of which the depth net is not told where in the picture a pixel lies
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub drop_yx: f32,
     /// Threads of the trainer
     #[arg(long, default_value_t = 2)]
     pub threads: usize,
@@ -248,6 +256,7 @@ impl Config {
             w_row: 0.0,
             w_ordinal: 0.0,
             w_columns: 0.0,
+            w_subject: 0.0,
             w_consistency: 0.005,
             w_tv: 0.01,
             ..self.losses

@@ -102,8 +102,8 @@ pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainEr
     let views = order.iter().map(|&i| layers[i]).collect();
     let maps = Maps { samples: samples.len(), views, height: size[1], width: size[0] };
     let plane = maps.plane();
-    let mut batch =
-        Batch { first_sample, views: Vec::new(), truth: Vec::new(), yx: Vec::new(), worth: Vec::new(), maps };
+    let (views, truth, yx, worth, subjects) = Default::default();
+    let mut batch = Batch { first_sample, views, truth, yx, worth, subjects, maps };
     for sample in samples {
         for &i in &order {
             batch.views.extend(&sample.rgb[3 * i * plane..][..3 * plane]);
@@ -111,6 +111,7 @@ pub fn collate(samples: Vec<Sample>, first_sample: u64) -> Result<Batch, TrainEr
         }
         batch.yx.push(sample.yx);
         batch.worth.push(sample.worth);
+        batch.subjects.push(sample.subject.unwrap_or_default());
     }
     Ok(batch)
 }

@@ -91,6 +91,7 @@ impl Folder {
             truth: vec![f32::NAN; maps.len()],
             yx: Vec::new(),
             worth: vec![1.0; samples],
+            subjects: vec![Vec::new(); samples],
             maps,
         };
         for slot in 0..samples {

@@ -193,7 +193,8 @@ pub fn train(
                 let (found, warnings) = watch.look(net, config)?;
                 let line = json!({"step": progress.step, "watch": found, "warnings": warnings});
                 log.append(&format!("{line}\n"))?;
-                warnings.iter().for_each(|warning| bar.println(warning));
+                // In a log, too, where there is no bar.
+                warnings.iter().for_each(|warning| bar.suspend(|| eprintln!("{warning}")));
             }
             saved = Instant::now();
         }

@@ -6,7 +6,7 @@ use burn::tensor::Tensor;
 use rayon::prelude::*;
 
 use crate::TrainError;
-use crate::batch::{Batch, blank_patches};
+use crate::batch::{Batch, blank_patches, drop_coordinates};
 use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
 use crate::loss::{self, Along, Maps};
@@ -84,6 +84,12 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
     // What is worth less moves the net less; the losses told are those of all.
     let one = maps.views.len() * maps.plane();
     gradient.chunks_mut(one).zip(&batch.worth).for_each(|(g, worth)| g.iter_mut().for_each(|g| *g *= worth));
+    // A mask is worth as much whatever the map beside it is.
+    if weights.w_subject > 0.0 {
+        let (margin, weight) = (2.0 * weights.ordinal_apart_px * small, weights.w_subject / small);
+        let loss = loss::subject_order(maps, depth, &batch.subjects, margin, weight, &mut gradient);
+        parts.insert("subject", loss / small);
+    }
     (parts, gradient)
 }
 
@@ -150,6 +156,7 @@ pub fn depth_step(
     let mut input = batch.net_input(graph.arch.has_coordinates());
     let mut by_chance = Rng::new(config.seed ^ BLANKING, net.progress.step);
     blank_patches(&mut input, channels, [maps.width, maps.height], config.blank, &mut by_chance);
+    drop_coordinates(&mut input, channels, maps.plane(), config.drop_yx, &mut by_chance);
     let y = forward(&mut tape, graph, batch, input)?;
     let depth = values(y.clone());
     let (parts, gradient) = depth_losses(batch, &depth, &config.losses);
@@ -388,6 +395,7 @@ mod tests {
             first_sample: 0,
             yx: vec![[0.0; 4]],
             worth: vec![1.0],
+            subjects: vec![Vec::new()],
             maps,
         };
         let ends = ends_of_rays(&batch);

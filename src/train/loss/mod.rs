@@ -5,10 +5,12 @@
 
 mod photometric;
 mod smooth;
+mod subject;
 mod supervised;
 
 pub use photometric::{photometric, rendered_gradient, rendered_views};
 pub use smooth::{consistency, total_variation};
+pub use subject::subject_order;
 pub use supervised::{Along, Fit, affine, affine_fit, ordinal, row_centred, supervised};
 
 use crate::nets::REFERENCE;

@@ -58,17 +58,19 @@ impl Source {
         }
     }
 
-    /// Puts another photo's subject before everything that it covers, wherever that lies in the picture.
-    pub(super) fn add_guest(&self, rng: &mut Rng, canvas: &Canvas, scene: &mut Scene) {
+    /// Puts another photo's subject before everything that it covers, wherever that lies in the picture; says whether
+    /// there was one to put.
+    pub(super) fn add_guest(&self, rng: &mut Rng, canvas: &Canvas, scene: &mut Scene) -> bool {
         let picture = self.masked_picture(rng, canvas.size);
         let size = rng.range(0.2, 1.0);
-        let Some(sprite) = sprite(rng, picture, canvas, size) else { return };
+        let Some(sprite) = sprite(rng, picture, canvas, size) else { return false };
         let apart = rng.range(0.05, 0.35) * canvas.range_px;
-        let Some(under) = nearest_under(scene, &sprite.alpha) else { return };
+        let Some(under) = nearest_under(scene, &sprite.alpha) else { return false };
         let near = (under + apart).min(canvas.disparity(1.15));
         let rgba = premultiplied(&Tone::random(rng, self.config.variety).apply(&sprite.rgb), &sprite.alpha);
         let disparity = sprite.dome.map(|dome| near + 0.1 * canvas.range_px * dome / 255.0);
         scene.layers.push(Layer { bounds: covered(&rgba), rgba, disparity, rough: false });
+        true
     }
 
     /// A photo without its subject on a ground, or a wall in its colours, that stays behind `nearest`; values 0 … 1.

@@ -163,9 +163,7 @@ impl Source {
                 Scene { layers: vec![Layer::whole(rgb, map, true)], margin: canvas.margin, size: crop }
             }
         };
-        if self.config.augment && rng.chance(GUESTS) {
-            self.add_guest(rng, &canvas, &mut scene);
-        }
+        let guest = self.config.augment && rng.chance(GUESTS) && self.add_guest(rng, &canvas, &mut scene);
         let mut sample = sample(&scene, views, &place, Kind::Pseudo, &picture.id);
         sample.worth = picture.worth;
         if let Some(holes) = &picture.holes {
@@ -174,7 +172,8 @@ impl Source {
         if self.config.augment {
             add_noise(rng, &mut sample.rgb, &self.config);
         }
-        sample.subject = cutout.map(|cutout| subject(&canvas, &place, cutout));
+        // Where a guest stands before it, its mask no longer tells what is in front.
+        sample.subject = cutout.filter(|_| !guest).map(|cutout| subject(&canvas, &place, cutout));
         sample
     }
 }

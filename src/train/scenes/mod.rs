@@ -54,8 +54,10 @@ use solid::Stock;
 
 /// Layer of the reference view (4, 4).
 pub const REFERENCE: usize = 36;
-/// Shares of lifted maps whose depth was measured, and of the rest that show flowers.
+/// Shares of lifted maps whose depth was measured, of the rest that are rooms with good maps, and of the rest of that
+/// that show flowers.
 const MEASURED: f32 = 0.15;
+const WELL_LABELLED: f32 = 0.2;
 const FLOWERS: f32 = 0.2;
 /// Nearness of the focal plane.
 pub const FOCAL_NEARNESS: f32 = 0.85;
@@ -187,8 +189,9 @@ pub struct Source {
     library: Library,
     /// Indices of pictures with a mask: flowers, and others.
     masked: [Vec<usize>; 2],
-    /// Indices of pictures with a nearness map: everyday photos, flowers, and photos whose depth was measured.
-    mapped: [Vec<usize>; 3],
+    /// Indices of pictures with a nearness map: everyday photos, flowers, rooms with good maps, and photos whose depth
+    /// was measured.
+    mapped: [Vec<usize>; 4],
     /// Meshes and textures, where the mix has scenes in three dimensions.
     stock: Option<Stock>,
 }
@@ -220,6 +223,7 @@ impl Source {
         let mapped = [
             pick(&|p| map(p) && !flower(p)),
             pick(&|p| map(p) && flower(p)),
+            pick(&|p| map(p) && (library::WELL_LABELLED..1.0).contains(&p.worth)),
             pick(&|p| p.nearness.is_some() && p.measured),
         ];
         Self { config: config.clone(), library, masked, mapped, stock: None }
@@ -276,8 +280,9 @@ impl Source {
             }
             Kind::Collage => self.collage(rng, crop, views),
             Kind::Pseudo => {
-                let [others, flowers, measured] = &self.mapped;
+                let [others, flowers, rooms, measured] = &self.mapped;
                 let rest = either(rng, FLOWERS, flowers, others);
+                let rest = either(rng, WELL_LABELLED, rooms, rest);
                 let list = either(rng, MEASURED, measured, rest);
                 let picture = self.framed(rng, list, crop);
                 self.pseudo(rng, crop, views, picture)

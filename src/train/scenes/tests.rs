@@ -49,6 +49,22 @@ fn a_sample_is_told_by_seed_and_index_alone() {
 }
 
 #[test]
+fn where_a_subject_is_told_it_is_in_front() {
+    let source = source(KINDS[2], 1, 5);
+    let samples: Vec<Sample> = (0..40).map(|index| source.sample(index)).collect();
+    let (told, hidden): (Vec<_>, Vec<_>) = samples.iter().partition(|sample| sample.subject.is_some());
+    assert!(told.len() > 15 && hidden.len() > 5, "{} told, {} behind a guest", told.len(), hidden.len());
+    for sample in told {
+        let mask = sample.subject.as_ref().unwrap();
+        let least = |inside: bool| {
+            let of = sample.disparity.iter().zip(mask).filter(|(_, m)| (**m > 127) == inside);
+            of.map(|(d, _)| *d).fold(f32::MAX, f32::min)
+        };
+        assert!(!mask.contains(&255) || least(true) > least(false), "{}", sample.origin);
+    }
+}
+
+#[test]
 fn one_kind_of_photos_is_enough() {
     for id in ["flowers/a", "everyday/b"] {
         for mix in KINDS {
