@@ -12,10 +12,13 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use nets::Layer;
-use plenoscope::field::{DisparityMap, Photo, RayDepths, View, ViewGrid, ViewIndex};
+use plenoscope::field::{DisparityMap, Photo, RayDepths, RelativeDepth, View, ViewGrid, ViewIndex};
 use plenoscope::job::{Cancel, Job, Progress, Sink, Stage};
 use plenoscope::synth::cache::Cache;
-use plenoscope::synth::{ModelError, ModelSource, SynthError, SynthParams, Synthesizer, lift, reference_view};
+use plenoscope::synth::range::Estimate;
+use plenoscope::synth::{
+    DepthSource, ModelError, ModelSource, Scale, SynthError, SynthParams, Synthesizer, lift, reference_view,
+};
 
 /// A photo with enough structure to tell left from right and up from down.
 fn photo(width: u32, height: u32) -> Photo {
@@ -117,6 +120,34 @@ fn a_disparity_map_takes_the_nets_place_with_the_sign_and_the_scale_of_the_conve
         let (x, y) = (30, 20);
         let seen = made.field.reference().pixel((x as f32 + o.du) as u32, (y as f32 + o.dv) as u32);
         assert_eq!(made.field.view(at).pixel(x, y), seen, "view {at:?}");
+    }
+}
+
+#[test]
+fn the_scale_of_a_lytro_is_for_what_only_orders() {
+    let (folder, kept) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let synthesizer = Synthesizer::load(&models(folder.path())).unwrap();
+    let (cancel, cache) = (Cancel::default(), Cache::new(kept.path(), 1 << 30));
+    let job = Job { cancel: &cancel, sink: &() };
+    let near = RelativeDepth::new([60, 40], (0..2400).map(|i| 0.5 + i as f32 / 2400.0).collect()).unwrap();
+    let order = SynthParams {
+        source: DepthSource::Phone,
+        phone: Some(Estimate::relative(near.clone()).into()),
+        ..SynthParams::default()
+    };
+    let metres = SynthParams { phone: Some(Estimate::metric(near, None).into()), ..order.clone() };
+    let given = SynthParams { disparity: Some(DisparityMap::constant([30, 20], 0.5).into()), ..SynthParams::default() };
+    for (params, changes) in [(SynthParams::default(), true), (order, true), (metres, false), (given, false)] {
+        let map = |scale| {
+            let params = SynthParams { scale, ..params.clone() };
+            synthesizer.depth_map(&photo(60, 40), &params, Some(&cache), &job).unwrap()
+        };
+        let [deep, lytro] = [Scale::Deep, Scale::Lytro].map(map);
+        let spread = |map: &DisparityMap| map.range_px()[1] - map.range_px()[0];
+        let wanted = if changes { 0.3 } else { 1.0 } * spread(&deep);
+        assert!((spread(&lytro) - wanted).abs() < 1e-4, "{} of {}", spread(&lytro), spread(&deep));
+        let behind = lytro.disparity_px().iter().filter(|d| **d < 0.0).count();
+        assert!(!changes || behind <= 600, "{behind} of 2400 pixels lie behind the focal plane");
     }
 }
 

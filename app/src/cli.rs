@@ -9,6 +9,7 @@ use plenoscope::render::cpu::Colormap;
 use plenoscope::scene::export::{Kind, Settings};
 use plenoscope::scene::{Making, Movement};
 use plenoscope::shard::Shard;
+use plenoscope::synth::Scale;
 
 use crate::values::{self, Pair, PictureSize, Range, Size};
 
@@ -177,6 +178,9 @@ pub struct SynthArgs {
     /// phone, fused, or the name of a depth net (such as paper-flowers)
     #[arg(long, value_name = "SOURCE", default_value = "auto", conflicts_with = "disparity")]
     pub source: String,
+    /// How far ray depths of a net reach: deep, for refocusing far, or lytro, as the paper's camera would have seen
+    #[arg(long, value_name = "SCALE", default_value = "deep")]
+    pub scale: Scale,
     /// Take the nets from this folder instead of those in the program
     #[arg(long, value_name = "DIR")]
     pub models: Option<PathBuf>,

@@ -16,7 +16,7 @@ use crate::synth::adopt::Shelf;
 use crate::synth::cache::Cache;
 use crate::synth::range::{Camera, Estimate};
 use crate::synth::{
-    DepthSource, ModelSource, ModelTag, SynthError, SynthParams, Synthesizer, fuse, lift, reference_view, sweep,
+    DepthSource, ModelSource, ModelTag, Scale, SynthError, SynthParams, Synthesizer, fuse, lift, reference_view, sweep,
     synthesize_from_map, upsample,
 };
 
@@ -34,6 +34,8 @@ pub struct Making {
     pub threads: usize,
     /// Where ray depths come from.
     pub source: DepthFrom,
+    /// How far they reach, where they only order.
+    pub scale: Scale,
     /// Where the nets come from.
     pub models: ModelSource,
     /// The nets that the person added.
@@ -73,7 +75,8 @@ impl Making {
 impl Default for Making {
     fn default() -> Self {
         let (source, models, repairs) = (DepthFrom::default(), ModelSource::default(), Repairs::default());
-        Self { long_side: Self::LONG_SIDE, occlusion: true, threads: 0, source, models, shelf: None, repairs }
+        let (occlusion, threads, scale) = (true, 0, Scale::default());
+        Self { long_side: Self::LONG_SIDE, occlusion, threads, source, scale, models, shelf: None, repairs }
     }
 }
 
@@ -267,6 +270,7 @@ fn params(one: &OnePhoto, how: &Making, job: &Job) -> SynthParams {
         source: DepthSource::Network,
         phone: one.phone.as_ref().map(|depth| Arc::new(measured(depth))),
         camera: camera(one),
+        scale: how.scale,
     };
     let missing = |what: &str| job.sink.warning(format!("{what}, so the network's depth is used"));
     match (&how.source, &one.own_map) {

@@ -136,7 +136,7 @@ impl CacheKey {
         let mut hash = Sha256::new();
         hash.update(env!("CARGO_PKG_VERSION"));
         hash.update(format!("{:?} {} {} {:?}", photo.size(), params.long_side, params.occlusion, params.source));
-        hash.update(format!("{:?}", params.camera));
+        hash.update(format!("{:?} {:?}", params.camera, params.scale));
         // All that a manifest says counts: who tries another working scale must not be shown the old one's light field.
         models.iter().for_each(|manifest| hash.update(format!("{manifest:?}")));
         hash.update(photo.srgb8());

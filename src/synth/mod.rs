@@ -28,6 +28,7 @@ mod picture;
 mod pipeline;
 pub mod range;
 mod relative;
+mod scale;
 mod speckles;
 mod steps;
 pub mod sweep;
@@ -42,3 +43,4 @@ pub use manifest::{
 pub use params::{DepthSource, SynthParams, Synthesis};
 pub use picture::{Signed, reference_view};
 pub use pipeline::{Synthesizer, synthesize_from_map};
+pub use scale::{NoScale, Scale};

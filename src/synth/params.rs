@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::ModelTag;
 use super::range::{Camera, Estimate};
+use super::{ModelTag, Scale};
 use crate::field::{DisparityMap, LightField, RayDepths};
 
 /// Where the reference view's ray depth comes from.
@@ -38,6 +38,8 @@ pub struct SynthParams {
     pub phone: Option<Arc<Estimate>>,
     /// What the photo's file says of the camera: for depth in metres.
     pub camera: Camera,
+    /// How far the ray depths reach, where they are neither the person's own nor in metres.
+    pub scale: Scale,
 }
 
 impl Default for SynthParams {
@@ -50,6 +52,7 @@ impl Default for SynthParams {
             source: DepthSource::Network,
             phone: None,
             camera: Camera::default(),
+            scale: Scale::default(),
         }
     }
 }

@@ -10,10 +10,11 @@ use super::depth::{DepthNet, NetDepths};
 use super::far_side::FarSide;
 use super::occlusion::OcclusionNet;
 use super::picture::{Signed, reference_view};
-use super::range::Estimate;
+use super::range::{Estimate, Geometry};
 use super::relative::RelativeNet;
 use super::{
-    DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, SynthError, SynthParams, Synthesis, Task,
+    DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, RelativeOutput, Scale, SynthError,
+    SynthParams, Synthesis, Task,
 };
 use super::{fuse, lambertian, lift, memory, tract, upsample};
 use crate::field::{
@@ -164,8 +165,39 @@ impl Synthesizer {
         }
     }
 
-    /// The disparity of the reference view, and the net's maps of all views where its manifest wants those.
+    /// The disparity of the reference view on the scale that is asked for, and the net's maps of all views where its
+    /// manifest wants those and they are on that scale.
     fn reference_map(
+        &self,
+        photo: &Photo,
+        reference: &View,
+        params: &SynthParams,
+        job: &Job,
+    ) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
+        let made = self.source_map(photo, reference, params, job)?;
+        if params.scale == Scale::Deep || self.has_a_scale(params)? {
+            return Ok(made);
+        }
+        Ok((params.scale.of(made.0)?, None))
+    }
+
+    /// Whether the source of depth says how far it reaches: a map of the person's own, or metres.
+    fn has_a_scale(&self, params: &SynthParams) -> Result<bool, ModelError> {
+        let in_metres = |phone: &Estimate| matches!(phone.geometry, Geometry::Metric { .. });
+        Ok(match &params.source {
+            _ if params.disparity.is_some() => true,
+            DepthSource::Phone => params.phone.as_deref().is_some_and(in_metres),
+            DepthSource::Model(id) => match &*self.further(id)? {
+                Further::Ray(_) => false,
+                Further::Relative(net) => net.net().manifest().relative.output == RelativeOutput::Metres,
+            },
+            DepthSource::Network | DepthSource::Fused => false,
+        })
+    }
+
+    /// The disparity of the reference view as its source has it, and the net's maps of all views where its manifest wants
+    /// those.
+    fn source_map(
         &self,
         photo: &Photo,
         reference: &View,

@@ -24,8 +24,8 @@ use super::worker::Outbox;
 use super::workers::Workers;
 use crate::repair::Repairs;
 use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
-use crate::synth::ModelSource;
 use crate::synth::adopt::Shelf;
+use crate::synth::{ModelSource, Scale};
 
 /// What the window is started with.
 #[derive(Clone, Debug)]
@@ -162,6 +162,7 @@ impl Window {
             occlusion: *occlusion,
             threads: self.threads,
             source: self.source.clone(),
+            scale: Scale::default(),
             models,
             shelf: self.shelf.clone(),
             // Mended light fields are made of those that are open.

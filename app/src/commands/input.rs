@@ -54,6 +54,7 @@ pub fn making(args: &SynthArgs) -> Making {
         occlusion: !args.lambertian,
         threads: args.threads.into(),
         source,
+        scale: args.scale,
         models: model_source(args.models.as_deref()),
         shelf: Shelf::user(),
         ..Making::default()

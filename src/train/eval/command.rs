@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use plenoscope::io::{self, Opened};
 use plenoscope::job::{Cancel, Job};
 use plenoscope::shard::Shard;
+use plenoscope::synth::Scale;
 use serde_json::{Value, json};
 
 use super::light_field::{Closeness, Figures};
@@ -42,6 +43,11 @@ pub fn command() -> Command {
         .arg(
             arg!(--net <NAME> "A depth net of theirs other than the pair's own, such as paper-flowers").required(false),
         )
+        .arg(
+            arg!(--scale <SCALE> "How far ray depths reach: deep, or lytro")
+                .default_value("deep")
+                .value_parser(value_parser!(Scale)),
+        )
         .arg(arg!(--threads <N> "Threads; 0 means all").default_value("0").value_parser(value_parser!(usize)))
         .arg(arg!(--sheets <DIR> "Write contact sheets there").required(false).value_parser(path()))
         .arg(arg!(--json "One JSON object on stdout"))
@@ -60,7 +66,8 @@ pub fn command() -> Command {
 pub fn run(matches: &ArgMatches) -> Result<String> {
     let threads = matches.get_one::<usize>("threads").copied().unwrap_or(0);
     let folder = matches.get_one::<PathBuf>("models").map(PathBuf::as_path);
-    let models = Models::load(folder, matches.get_one::<String>("net").map(String::as_str), threads)?;
+    let scale = matches.get_one::<Scale>("scale").copied().unwrap_or_default();
+    let models = Models::load(folder, matches.get_one::<String>("net").map(String::as_str), scale, threads)?;
     let mut files: Vec<PathBuf> = matches.get_many("FILE").into_iter().flatten().cloned().collect();
     anyhow::ensure!(
         !files.is_empty() || ["photos", "depth", "solid"].iter().any(|name| given(matches, name)),
@@ -301,6 +308,8 @@ fn table(figures: &[Figures]) -> String {
             f.depth_correlation,
             f.depth_mae_px
         );
+        let ratio = f.full.l1_01 / f.zero.l1_01.max(1e-6);
+        let _ = writeln!(text, "  nothing fitted: L1 of all views {ratio:.3} of that of copying the photo");
         if let Some(t) = &f.truth {
             let views = if t.views == 1 { "the reference view".to_owned() } else { format!("{} views", t.views) };
             let _ = writeln!(

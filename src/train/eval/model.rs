@@ -4,7 +4,7 @@ use std::path::Path;
 
 use plenoscope::field::Photo;
 use plenoscope::job::{Cancel, Job};
-use plenoscope::synth::{DepthSource, ModelSource, ModelTag, SynthParams, Synthesizer};
+use plenoscope::synth::{DepthSource, ModelSource, ModelTag, Scale, SynthParams, Synthesizer};
 
 use super::{Prediction, Predictor, Rgb};
 use crate::scenes::raster::Raster;
@@ -16,14 +16,15 @@ pub struct Models {
 }
 
 impl Models {
-    /// Loads them; `folder` is laid out like `models/`, `depth` names a depth net other than the pair's own.
+    /// Loads them; `folder` is laid out like `models/`, `depth` names a depth net other than the pair's own, `scale` says
+    /// how far its ray depths reach.
     ///
     /// # Errors
     /// What [`Synthesizer::load`] says.
-    pub fn load(folder: Option<&Path>, depth: Option<&str>, threads: usize) -> anyhow::Result<Self> {
+    pub fn load(folder: Option<&Path>, depth: Option<&str>, scale: Scale, threads: usize) -> anyhow::Result<Self> {
         let models = folder.map_or(ModelSource::Embedded, |folder| ModelSource::Folder(folder.to_owned()));
         let source = depth.map_or(DepthSource::Network, |id| DepthSource::Model(id.to_owned()));
-        let params = SynthParams { long_side: u32::MAX, threads, source, ..SynthParams::default() };
+        let params = SynthParams { long_side: u32::MAX, threads, source, scale, ..SynthParams::default() };
         Ok(Self { synthesizer: Synthesizer::load(&models)?, params })
     }
 
