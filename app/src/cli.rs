@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use plenoscope::field::{FNumber, LensShape};
 use plenoscope::render::cpu::Colormap;
 use plenoscope::scene::export::{Kind, Settings};
-use plenoscope::scene::{Making, Movement};
+use plenoscope::scene::{Making, Movement, trust};
 use plenoscope::shard::Shard;
 use plenoscope::synth::Scale;
 
@@ -329,6 +329,12 @@ pub struct Depth {
     /// Write colours
     #[arg(long, value_name = "MAP")]
     pub colormap: Option<Colors>,
+    /// depth; or trust: what was invented, tinted (.png) or 0 to 1 (.pfm), of a view, else of what f/3.5 gathers
+    #[arg(long = "as", value_name = "WHAT", default_value = "depth", conflicts_with = "colormap")]
+    pub what: DepthKind,
+    /// With trust: how much of a picture may be invented, in per cent, where it says how far one can look and open
+    #[arg(long, value_name = "PERCENT", default_value_t = 100.0 * trust::USUAL_LIMIT, value_parser = values::percent)]
+    pub limit: f32,
     #[command(flatten)]
     pub recipe: RecipeArgs,
     #[command(flatten)]
@@ -502,6 +508,15 @@ pub enum Colors {
     Viridis,
     /// White near
     Gray,
+}
+
+/// What `depth` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DepthKind {
+    /// The ray depths
+    Depth,
+    /// What was invented
+    Trust,
 }
 
 impl From<Colors> for Colormap {

@@ -146,6 +146,11 @@ pub fn lens_shape(text: &str) -> Result<LensShape, String> {
     }
 }
 
+/// A number from 0 to 100.
+pub fn percent(text: &str) -> Result<f32, String> {
+    number(text).ok().filter(|n| (0.0..=100.0).contains(n)).ok_or_else(|| "a number from 0 to 100 is wanted".to_owned())
+}
+
 /// A number from 0 to 1.
 pub fn share(text: &str) -> Result<f32, String> {
     let share = number(text)?;

@@ -19,7 +19,7 @@ const DEPTH_EDGE: f32 = 0.2;
 const EVENS: f32 = 0.4;
 const SIDES: f32 = 0.9;
 /// Places of a window that are looked at in each direction from its middle.
-const TAPS: i32 = 4;
+const TAPS: i32 = 3;
 /// Colours that differ by this hardly count for each other.
 const ALIKE: f32 = 0.08;
 /// Two sides are apart by at least this part of the range.

@@ -14,7 +14,7 @@ use crate::synth::carry::{self, Colours};
 use crate::synth::reference_view;
 
 /// Said where the repairs are another photo's.
-const OTHER_PHOTO: &str = "the repairs of this edit are of another photo, so they are left out — the rest of it is applied, and its file keeps them";
+pub const OTHER_PHOTO: &str = "the repairs of this edit are of another photo, so they are left out — the rest of it is applied, and its file keeps them";
 
 impl Subject {
     /// What the photo looks like from afar; of a light field its reference view.
@@ -52,13 +52,13 @@ impl Scene {
         }
         if !repairs.are_of(&self.subject().sign()) {
             job.sink.warning(OTHER_PHOTO.to_owned());
-            return Ok(first.clone());
+            return Ok(first.clone().with_repairs(repairs));
         }
         repairs.left_out().into_iter().for_each(|text| job.sink.warning(text));
         let guide = first.guide(job)?;
         let map = Arc::new(repair::mended(first.map(), guide, repairs.usable(), job.cancel)??);
         let views = first.views().map(|views| first.carried(views, &map, job)).transpose()?;
-        first.with_mended(map, views)
+        Ok(first.with_mended(map, views)?.with_repairs(repairs))
     }
 
     /// What repairs are made with: the map as it is, and the photo's colours.

@@ -26,10 +26,12 @@ pub mod recipe;
 mod series;
 mod source;
 mod subject;
+pub mod trust;
 
 pub use edit::{Edit, Focus};
 pub use error::SceneError;
 pub use make::{Maker, Making, Need};
+pub use mended::OTHER_PHOTO;
 pub use picture::{MadeViews, OutputSize, Scene};
 pub use recipe::Recipe;
 pub use series::Movement;

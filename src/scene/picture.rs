@@ -11,6 +11,7 @@ use crate::io::save::Origin;
 use crate::job::Job;
 use crate::render::cpu;
 use crate::render::lens::{self, Rgbd, Space};
+use crate::repair::Repairs;
 use crate::synth::{ModelTag, Synthesis};
 
 /// How large the picture becomes; never larger than the photo.
@@ -55,8 +56,9 @@ pub struct Scene {
     map: Arc<DisparityMap>,
     subject_at: OnceLock<[f32; 2]>,
     views: Option<MadeViews>,
-    /// The scene before its depth was mended, where it was.
+    /// The scene before its depth was mended, where it was, and what was asked to be done to it.
     unmended: Option<Arc<Self>>,
+    repairs: Repairs,
     made_by: MadeBy,
     took: Duration,
 }
@@ -96,7 +98,8 @@ impl Scene {
     pub(super) fn of_map(subject: &Arc<Subject>, map: Arc<DisparityMap>, made_by: MadeBy) -> Result<Self, SceneError> {
         Rgbd::check(subject.size(), &map)?;
         let (subject, subject_at) = (Arc::clone(subject), OnceLock::new());
-        Ok(Self { subject, map, subject_at, views: None, unmended: None, made_by, took: Duration::ZERO })
+        let (views, unmended, repairs, took) = (None, None, Repairs::default(), Duration::ZERO);
+        Ok(Self { subject, map, subject_at, views, unmended, repairs, made_by, took })
     }
 
     /// Of views; `given` is the map that they were made from, where that is known better than at their size.
@@ -119,6 +122,16 @@ impl Scene {
         Rgbd::check(self.subject.size(), &map)?;
         let unmended = Some(Arc::new(self.unmended().clone()));
         Ok(Self { map, subject_at: OnceLock::new(), views, unmended, ..self.clone() })
+    }
+
+    /// The same with what was asked to be done to its depth.
+    pub(super) fn with_repairs(self, repairs: &Repairs) -> Self {
+        Self { repairs: repairs.clone(), ..self }
+    }
+
+    /// What was asked to be done to its depth.
+    pub fn repairs(&self) -> &Repairs {
+        &self.repairs
     }
 
     /// The same scene before its depth was mended.

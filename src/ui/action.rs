@@ -11,6 +11,7 @@ use super::jobs::OpenFrom;
 use super::worker::JobId;
 use crate::field::ViewOffset;
 use crate::io::formats::depth_map::GivenDepth;
+use crate::repair::Repair;
 use crate::scene::{DepthFrom, Recipe};
 
 /// One thing that a person wants done.
@@ -31,6 +32,10 @@ pub enum Action {
     LookFrom(ViewOffset),
     /// Focuses where the subject most likely is.
     FocusOnSubject,
+    /// Mends the depth.
+    Repair(Repair),
+    /// Takes a repair away, by its number.
+    Unrepair(usize),
     /// Applies an edit of another photo.
     PasteEdit(Box<Recipe>),
     /// Takes ray depths from elsewhere.

@@ -19,8 +19,9 @@ use super::rest::Seen;
 use super::settings::Settings;
 use super::window::{Options, Window};
 use super::worker::{JobId, Outbox};
-use super::{inbox, input, panels, screen, theme};
+use super::{inbox, input, mending, panels, screen, theme};
 use crate::field::{Lens, LightField};
+use crate::repair::Repairs;
 use crate::scene::{DepthFrom, Edit, Focus};
 
 /// The window.
@@ -93,7 +94,17 @@ impl App {
     /// Whether nothing is on its way: no job, no upload, no picture at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_uploading = self.window.pictures.as_ref().is_some_and(FieldPictures::is_uploading);
-        !self.is_busy() && self.window.rest.is_there() && !is_uploading
+        !self.is_busy() && self.window.rest.is_there() && !is_uploading && self.is_mended()
+    }
+
+    /// Whether all repairs are in what is shown.
+    pub fn is_mended(&self) -> bool {
+        self.window.open.scene().is_none_or(|scene| *scene.repairs() == self.window.repairs)
+    }
+
+    /// What was done to the depth.
+    pub fn repairs(&self) -> &Repairs {
+        &self.window.repairs
     }
 
     /// The disparity at a place of the photo, x and y from 0 to 1, in pixels per view step.
@@ -143,10 +154,15 @@ impl App {
 
     /// Asks for the pictures that come late.
     fn ask_for_pictures(&mut self, ctx: &egui::Context) {
-        let Window { open, edit, look, rest, settings, workers, .. } = &mut self.window;
+        let Window { open, edit, look, rest, settings, workers, tint, .. } = &mut self.window;
         let seen = Seen { open, edit, look };
         if let Some(request) = rest.ask(&seen, ctx) {
             workers.finisher.replace(request);
+        }
+        if settings.trust
+            && let Some(request) = tint.ask(&seen, rest.generation())
+        {
+            workers.truster.replace(request);
         }
         if settings.peaking
             && let Some(request) = rest.ask_peaks(&seen)
@@ -155,10 +171,22 @@ impl App {
         }
     }
 
+    /// Asks for what mending depth waits for.
+    fn mend(&mut self) {
+        let Window { open, mending, repairs, rest, workers, .. } = &mut self.window;
+        let Some(scene) = open.scene() else { return };
+        match mending.ask(rest.generation(), scene, repairs) {
+            Some(request @ mending::Request::Mend(..)) => workers.mender.replace(request),
+            Some(request) => workers.outliner.replace(request),
+            None => return,
+        };
+    }
+
     /// Takes note of edits; once the hand rests, they are kept beside the photo.
     fn keep_history(&mut self, ctx: &egui::Context) {
         let time_secs = ctx.input(|input| input.time);
-        if !self.window.history.has_settled(time_secs, &self.window.edit) {
+        let step = self.window.step();
+        if !self.window.history.has_settled(time_secs, &step) {
             ctx.request_repaint_after(Duration::from_millis(500));
         } else if !self.window.look.is_moving {
             self.window.keep_edit();
@@ -217,6 +245,7 @@ impl eframe::App for App {
         if before != (*edit, look.pose) {
             look.moved_at_secs = now();
         }
+        self.mend();
         self.ask_for_pictures(&ctx);
         if !self.window.look.is_circling {
             self.keep_history(&ctx);

@@ -41,6 +41,12 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
             look_from(window, at);
         }
         Action::FocusOnSubject => window.focus_on_subject(),
+        Action::Repair(repair) => window.repair(repair),
+        Action::Unrepair(number) => {
+            window.history.note(&window.step());
+            window.repairs = window.repairs.without(number);
+            window.history.note(&window.step());
+        }
         Action::PasteEdit(recipe) => paste_edit(window, &recipe),
         Action::TakeDepths(source) => {
             if source != DepthFrom::Map {
@@ -99,7 +105,7 @@ fn can(window: &Window, command: Command) -> bool {
     let open = &window.open;
     match command {
         Command::Export | Command::CopyPicture => open.scene().is_some(),
-        Command::Peaking => open.field().is_some(),
+        Command::Peaking | Command::Trust => open.field().is_some(),
         Command::ResetViewpoint
         | Command::StepLeft
         | Command::StepRight
@@ -114,9 +120,10 @@ fn can(window: &Window, command: Command) -> bool {
         Command::NextPhoto | Command::PreviousPhoto => open.subject().is_some_and(|subject| subject.path.is_some()),
         Command::CompareSources => open.photo().is_some() && open.scene().is_some(),
         Command::KeepSource => window.compare.at().is_some(),
-        Command::Stop => window.is_busy() || window.compare.at().is_some(),
-        Command::Undo => window.history.can_undo(&window.edit),
-        Command::Redo => window.history.can_redo(&window.edit),
+        Command::Stop => window.is_busy() || window.compare.at().is_some() || window.mending.is_on,
+        Command::Repair => open.scene().is_some(),
+        Command::Undo => window.history.can_undo(&window.step()),
+        Command::Redo => window.history.can_redo(&window.step()),
         Command::Fit
         | Command::OneToOne
         | Command::ZoomIn
@@ -154,8 +161,15 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         Command::Settings => window.dialog = Some(Dialog::Settings),
         Command::Stop => stop(window, ctx),
         Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-        Command::Undo => window.edit = window.history.undo(&window.edit),
-        Command::Redo => window.edit = window.history.redo(&window.edit),
+        Command::Undo => {
+            let step = window.history.undo(window.step());
+            window.take_step(step);
+        }
+        Command::Redo => {
+            let step = window.history.redo(window.step());
+            window.take_step(step);
+        }
+        Command::Repair => hold_repair(window),
         Command::CopyEdit => {
             ctx.copy_text(window.recipe().to_json());
             window.toasts.info("Copied the edit: paste it over another photo");
@@ -191,6 +205,7 @@ fn look(window: &mut Window, command: Command, ctx: &Context) {
         }
         Command::BeforeAfter => look.split.is_shown = !look.split.is_shown,
         Command::Peaking => settings.peaking = !settings.peaking,
+        Command::Trust => settings.trust = !settings.trust,
         Command::Fit => look.pose = Pose::default(),
         Command::OneToOne | Command::ZoomIn | Command::ZoomOut => {
             let Some(size) = open.picture_size() else { return };
@@ -245,8 +260,26 @@ fn lay_out(window: &mut Window, change: impl Fn(Layout) -> Layout) {
     window.open(OpenFrom::Again(Box::new(Document::from(subject))));
 }
 
+/// Takes the tool that mends depth, or puts it away. Things are chosen in the picture or its depth.
+fn hold_repair(window: &mut Window) {
+    window.mending.is_on = !window.mending.is_on;
+    window.mending.choose(None);
+    if window.mending.is_on {
+        // What is chosen lies in the reference view.
+        look_from(window, ViewOffset::default());
+        (window.settings.has_inspector, window.look.is_drawer_open) = (true, true);
+        if window.look.face == Face::Views {
+            window.look.face = Face::Picture;
+        }
+    }
+}
+
 fn stop(window: &mut Window, ctx: &Context) {
-    if window.compare.at().is_some() {
+    if window.mending.chosen().is_some() {
+        window.mending.choose(None);
+    } else if window.mending.is_on {
+        window.mending.is_on = false;
+    } else if window.compare.at().is_some() {
         compare::back(window);
     } else if window.loading.running().is_some() {
         window.workers.loader.stop();
@@ -276,6 +309,10 @@ fn paste_edit(window: &mut Window, recipe: &Recipe) {
         return;
     };
     window.edit = recipe.edit(window.making().view_size(subject)[0]);
+    // Repairs belong to their photo.
+    if !recipe.repairs.is_empty() && recipe.repairs.are_of(&subject.sign()) {
+        window.repairs = recipe.repairs.clone();
+    }
     let at = window.edit.viewpoint.0;
     look_from(window, at);
     window.toasts.info("Applied the edit");

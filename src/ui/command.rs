@@ -50,6 +50,8 @@ pub enum Command {
     Opposite,
     Transpose,
     Serpentine,
+    Repair,
+    Trust,
     Shortcuts,
 }
 
@@ -67,18 +69,19 @@ pub struct Spec {
 }
 
 /// What the mouse does, for the shortcut sheet.
-pub const MOUSE: [(&str, &str); 6] = [
+pub const MOUSE: [(&str, &str); 7] = [
     ("Drag the picture", "Look round"),
     ("Click the picture", "Focus there"),
     ("Wheel", "Zoom at the pointer"),
     ("Middle drag, Space + drag", "Move the picture"),
+    ("Drag in an epipolar image", "Turn the line: that thing's depth"),
     ("Hold \\", "Show the photo itself"),
     ("Double-click a value's name", "Reset it"),
 ];
 
 impl Command {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 45] = [
+    pub const ALL: [Self; 47] = [
         Self::Open,
         Self::OpenFolder,
         Self::OpenSample,
@@ -110,6 +113,7 @@ impl Command {
         Self::ToggleDepth,
         Self::BeforeAfter,
         Self::Peaking,
+        Self::Trust,
         Self::Fit,
         Self::OneToOne,
         Self::ZoomIn,
@@ -120,6 +124,7 @@ impl Command {
         Self::OwnDepth,
         Self::CompareSources,
         Self::KeepSource,
+        Self::Repair,
         Self::Opposite,
         Self::Transpose,
         Self::Serpentine,
@@ -165,6 +170,7 @@ impl Command {
                 ("View", "Before / after", "The photo left of the line, the picture right", key(Key::C))
             }
             Self::Peaking => ("View", "Focus peaking", "Mark the edges that are in focus", key(Key::K)),
+            Self::Trust => ("View", "Trust view", "Tint what was invented, not seen", key(Key::U)),
             Self::Fit => ("View", "Fit", "Show the whole picture", key(Key::Num0)),
             Self::OneToOne => ("View", "1:1", "One picture pixel for one screen pixel", key(Key::Num1)),
             Self::ZoomIn => ("View", "Zoom in", "Closer", key(Key::Plus)),
@@ -178,6 +184,7 @@ impl Command {
                 ("Light field", "Compare sources", "Show the next source of ray depths; Esc goes back", key(Key::S))
             }
             Self::KeepSource => ("Light field", "Keep this source", "Use the source that is compared", upper(Key::S)),
+            Self::Repair => ("Light field", "Repair depth", "Mend what the depth got wrong, by hand", key(Key::M)),
             Self::Opposite => ("Light field", "Exchange near and far", "Turn the sign of every disparity", None),
             Self::Transpose => ("Light field", "Exchange rows and columns", "Rows of views are columns", None),
             Self::Serpentine => ("Light field", "To and fro", "Every second row of views runs backwards", None),

@@ -7,9 +7,11 @@ use super::adding::Card;
 use super::ask::Picked;
 use super::document::Document;
 use super::keys::{Peaks, RestKey};
+use super::mending::Answer;
 use super::open::Made;
 use super::rays::Rays;
 use super::tiles::TileSet;
+use super::trust::TrustKey;
 use crate::field::{View, ViewIndex};
 use crate::job::Progress;
 use crate::render::Picture;
@@ -30,6 +32,10 @@ pub enum Event {
     View(ViewIndex, Arc<View>),
     /// The light field is complete.
     Made(Box<Made>),
+    /// What was invented of a picture.
+    Trust(TrustKey, egui::ColorImage),
+    /// What mending depth was waiting for.
+    Mending(Answer),
     /// A picture at rest, by the lens renderer.
     AtRest(RestKey, Arc<TileSet>),
     /// A file was written.

@@ -8,58 +8,73 @@ use super::event::Event;
 use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::job::Cancel;
+use crate::repair::Repairs;
 use crate::scene::{DepthFrom, Edit, Recipe};
+
+/// All that is undone as one: the edit, and what was mended.
+#[derive(Clone, Default, PartialEq)]
+pub struct Step {
+    /// Lens, focus and viewpoint.
+    pub edit: Edit,
+    /// What was done to the depth.
+    pub repairs: Repairs,
+}
 
 /// What was done to a photo, and what of it lies beside the photo.
 #[derive(Default)]
 pub struct History {
-    undoer: Undoer<Edit>,
+    undoer: Undoer<Step>,
     /// The edit and the source of its depth as they lie beside the photo, or as they were when the photo was opened; none
     /// before there is one.
-    kept: Option<(Edit, DepthFrom)>,
+    kept: Option<(Step, DepthFrom)>,
 }
 
 impl History {
     /// A photo is open: this is what can be returned to.
-    pub fn new(edit: Edit, source: DepthFrom) -> Self {
+    pub fn new(step: Step, source: DepthFrom) -> Self {
         let mut undoer = Undoer::default();
-        undoer.add_undo(&edit);
-        Self { undoer, kept: Some((edit, source)) }
+        undoer.add_undo(&step);
+        Self { undoer, kept: Some((step, source)) }
     }
 
     /// Whether there is something to take back.
-    pub fn can_undo(&self, edit: &Edit) -> bool {
-        self.undoer.has_undo(edit)
+    pub fn can_undo(&self, step: &Step) -> bool {
+        self.undoer.has_undo(step)
     }
 
     /// Whether there is something to do again.
-    pub fn can_redo(&self, edit: &Edit) -> bool {
-        self.undoer.has_redo(edit)
+    pub fn can_redo(&self, step: &Step) -> bool {
+        self.undoer.has_redo(step)
     }
 
-    /// The edit before this one.
-    pub fn undo(&mut self, edit: &Edit) -> Edit {
-        self.undoer.undo(edit).copied().unwrap_or(*edit)
+    /// What was there before this.
+    pub fn undo(&mut self, step: Step) -> Step {
+        self.undoer.undo(&step).cloned().unwrap_or(step)
     }
 
     /// Takes note of an edit; true once the hand rests. Else it is to be asked again soon.
-    pub fn has_settled(&mut self, time_secs: f64, edit: &Edit) -> bool {
-        self.undoer.feed_state(time_secs, edit);
+    pub fn has_settled(&mut self, time_secs: f64, step: &Step) -> bool {
+        self.undoer.feed_state(time_secs, step);
         !self.undoer.is_in_flux()
     }
 
     /// Whether an edit, or where its depth comes from, is not yet beside its photo; from then on it counts as kept.
-    pub fn take_unkept(&mut self, edit: &Edit, source: &DepthFrom) -> bool {
-        let is_new = self.kept.as_ref().is_some_and(|(kept, from)| kept != edit || from != source);
+    pub fn take_unkept(&mut self, step: &Step, source: &DepthFrom) -> bool {
+        let is_new = self.kept.as_ref().is_some_and(|(kept, from)| kept != step || from != source);
         if is_new {
-            self.kept = Some((*edit, source.clone()));
+            self.kept = Some((step.clone(), source.clone()));
         }
         is_new
     }
 
-    /// The edit after this one.
-    pub fn redo(&mut self, edit: &Edit) -> Edit {
-        self.undoer.redo(edit).copied().unwrap_or(*edit)
+    /// Begins a step of its own: what was done before it is undone apart from it.
+    pub fn note(&mut self, step: &Step) {
+        self.undoer.add_undo(step);
+    }
+
+    /// What was there after this.
+    pub fn redo(&mut self, step: Step) -> Step {
+        self.undoer.redo(&step).cloned().unwrap_or(step)
     }
 }
 

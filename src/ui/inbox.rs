@@ -15,6 +15,7 @@ use super::document::{Document, Sidecar};
 use super::event::Event;
 use super::history::History;
 use super::jobs::OpenFrom;
+use super::mending::Answer;
 use super::near_end::Question;
 use super::neighbours;
 use super::open::{Made, Open};
@@ -25,7 +26,8 @@ use super::tiles::Tiled;
 use super::window::Window;
 use super::worker::JobId;
 use crate::field::ViewPoint;
-use crate::scene::Focus;
+use crate::repair::Repairs;
+use crate::scene::{Focus, OTHER_PHOTO, Scene};
 
 /// Takes in one letter.
 pub fn take(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
@@ -57,6 +59,8 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
     match event {
         Event::Picked(picked) => self::picked(window, picked, ctx),
         Event::AtRest(key, tiles) => window.rest.put(key, tiles),
+        Event::Trust(key, image) => window.tint.put(key, image, ctx),
+        Event::Mending(answer) => mending(window, answer, ctx),
         Event::Peaks(peaks) => window.rest.put_peaks(peaks, ctx),
         Event::Thumbnail(path, image) => {
             let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
@@ -162,9 +166,19 @@ fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Con
         Sidecar::Read(recipe) => recipe.edit(window.making().view_size(&document.subject)[0]),
         _ => window.edit.for_new_photo(),
     };
-    window.history = History::new(window.edit, window.source.clone());
+    window.repairs = match &document.sidecar {
+        Sidecar::Read(recipe) => recipe.repairs.clone(),
+        _ => Repairs::default(),
+    };
+    window.mending.forget();
+    window.tint.forget();
+    window.history = History::new(window.step(), window.source.clone());
     window.toasts.clear();
     document.warnings.iter().for_each(|warning| window.toasts.info(warning));
+    match window.repairs.are_of(&document.subject.sign()) {
+        true => window.repairs.left_out().iter().for_each(|text| window.toasts.info(text)),
+        false => window.toasts.info(OTHER_PHOTO),
+    }
     if let Some(path) = &document.subject.path {
         window.settings.remember(path);
     }
@@ -225,13 +239,33 @@ fn made(window: &mut Window, made: Made) {
 /// A light field that was made before takes the place of what is shown.
 pub fn show_again(window: &mut Window, kept: Kept) {
     window.rest.resume(kept.generation);
+    show(window, kept.made);
+}
+
+fn show(window: &mut Window, made: Made) {
     if let Some(pictures) = &mut window.pictures
-        && let Some(views) = kept.made.scene.views()
+        && let Some(views) = made.scene.views()
     {
         pictures.push_field(&views.field);
     }
-    take_rays(window, kept.made.rays.clone());
-    window.open.take_made(kept.made);
+    take_rays(window, made.rays.clone());
+    window.open.take_made(made);
+}
+
+/// What mending depth was waiting for is there.
+fn mending(window: &mut Window, answer: Answer, ctx: &Context) {
+    match answer {
+        Answer::Kit(generation, mender) => window.mending.take_kit(generation, mender),
+        Answer::Outline(region, image) => window.mending.take_outline(region, image, ctx),
+        Answer::Mended(made) => {
+            let first = |scene: &Scene| Arc::as_ptr(scene.unmended().map());
+            if window.open.scene().is_some_and(|shown| first(shown) == first(&made.scene)) {
+                window.rest.begin();
+                show(window, *made);
+                window.mending.mended();
+            }
+        }
+    }
 }
 
 /// A disparity in focus means another place in other ray depths: the subject is taken instead.

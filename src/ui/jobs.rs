@@ -103,10 +103,7 @@ fn making_of(load: &Load, document: &Document) -> Making {
 fn make(maker: &Maker, subject: &Arc<Subject>, making: &Making, job: &Job) -> Result<Made, String> {
     let fail = |error: SceneError| sentence(&error);
     let scene = maker.scene(subject, making, Need::Views, job).map_err(fail)?;
-    let rays = Rays::new(Arc::clone(&scene.made_views().map_err(fail)?.depths));
-    // What takes some milliseconds is not left to the window's thread.
-    scene.subject_at();
-    Ok(Made { scene, rays })
+    Made::of(scene).map_err(fail)
 }
 
 /// Reads a file and tells the window at once, with the picture ready for the screen.

@@ -7,7 +7,8 @@ use egui::Vec2;
 use super::document::Document;
 use super::rays::Rays;
 use crate::field::{DisparityMap, Lens, LightField, Photo, ViewGrid, ViewIndex, ViewPoint};
-use crate::scene::{Edit, Making, Scene, Subject};
+use crate::scene::trust::Invented;
+use crate::scene::{Edit, Making, Scene, SceneError, Subject};
 
 /// What is open.
 #[derive(Default)]
@@ -52,9 +53,22 @@ pub struct Made {
     pub scene: Scene,
     /// Its ray depths, and what they say.
     pub rays: Rays,
+    /// How much of each view was invented.
+    pub invented: Invented,
 }
 
 impl Made {
+    /// A scene with all views. Takes some milliseconds, so it is not for the window's thread.
+    ///
+    /// # Errors
+    /// It has no views.
+    pub fn of(scene: Scene) -> Result<Self, SceneError> {
+        let rays = Rays::new(Arc::clone(&scene.made_views()?.depths));
+        scene.subject_at();
+        let invented = scene.trust()?.invented();
+        Ok(Self { scene, rays, invented })
+    }
+
     /// Memory that views and ray depths take.
     pub fn bytes(&self) -> usize {
         let rays = size_of_val(self.rays.depths.disparity_px());
@@ -139,6 +153,11 @@ impl Open {
     /// The scene, once it is complete: what pictures are made of.
     pub fn scene(&self) -> Option<&Scene> {
         if let Known::Whole(made) = self.known() { Some(&made.scene) } else { None }
+    }
+
+    /// How much of each view was invented, once all is known.
+    pub fn invented(&self) -> Option<&Invented> {
+        if let Known::Whole(made) = self.known() { Some(&made.invented) } else { None }
     }
 
     /// Its ray depths.

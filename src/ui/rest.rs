@@ -60,6 +60,11 @@ impl AtRest {
         self.generation
     }
 
+    /// The number of the light field that is shown.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
     /// One that was there before is shown again.
     pub fn resume(&mut self, generation: u64) {
         self.generation = generation;

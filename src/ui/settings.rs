@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::hints::Hints;
 use crate::render::cpu::Colormap;
-use crate::scene::{DepthFrom, Edit, Making, export};
+use crate::scene::{DepthFrom, Edit, Making, export, trust};
 
 /// Kept between runs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -36,6 +36,10 @@ pub struct Settings {
     pub keeps_edits: bool,
     /// Whether edges in focus are marked.
     pub peaking: bool,
+    /// Whether what was invented is tinted.
+    pub trust: bool,
+    /// How much of a picture may be invented before the pad and the aperture say so, in per cent.
+    pub trust_percent: f32,
     /// A folder of models to use instead of those in the program.
     pub models_folder: Option<PathBuf>,
     /// What was told once.
@@ -57,6 +61,8 @@ impl Default for Settings {
             has_inspector: true,
             keeps_edits: true,
             peaking: false,
+            trust: false,
+            trust_percent: 100.0 * trust::USUAL_LIMIT,
             models_folder: None,
             hints: Hints::default(),
         }

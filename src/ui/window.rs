@@ -9,9 +9,10 @@ use super::compare::{Compare, Kept};
 use super::dialog::Dialog;
 use super::document::Sidecar;
 use super::field_pictures::FieldPictures;
-use super::history::{History, Keep};
+use super::history::{History, Keep, Step};
 use super::jobs::{Load, OpenFrom};
 use super::look::Look;
+use super::mending::Mending;
 use super::open::Open;
 use super::progress::{Loading, Running};
 use super::queue::Queue;
@@ -20,9 +21,10 @@ use super::settings::Settings;
 use super::sources::{self, Choice};
 use super::tiles::Tiled;
 use super::toasts::Toasts;
+use super::trust::Tint;
 use super::worker::Outbox;
 use super::workers::Workers;
-use crate::repair::Repairs;
+use crate::repair::{MOST, Repair, Repairs};
 use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
 use crate::synth::adopt::Shelf;
 use crate::synth::{ModelSource, Scale};
@@ -58,6 +60,12 @@ pub struct Window {
     pub history: History,
     /// How it is looked at.
     pub look: Look,
+    /// The tool that mends depth.
+    pub mending: Mending,
+    /// What was done to the depth.
+    pub repairs: Repairs,
+    /// What was invented.
+    pub tint: Tint,
     /// The light field on the device.
     pub pictures: Option<FieldPictures>,
     /// The photo on the device.
@@ -110,6 +118,9 @@ impl Window {
             loading: Loading::default(),
             history: History::default(),
             look: Look::default(),
+            mending: Mending::default(),
+            tint: Tint::default(),
+            repairs: Repairs::default(),
             photo: None,
             rest: AtRest::default(),
             queue: Queue::default(),
@@ -228,7 +239,7 @@ impl Window {
         let document = self.open.document()?;
         let photo = document.subject.path.clone().filter(|_| document.subject.photo().is_some())?;
         let is_kept = self.settings.keeps_edits && !matches!(document.sidecar, Sidecar::Unreadable);
-        if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.edit, &self.source) {
+        if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.step(), &self.source) {
             return None;
         }
         let recipe = self.recipe();
@@ -245,6 +256,31 @@ impl Window {
             _ => Recipe::default(),
         };
         recipe.export = self.settings.export.picture.clone();
-        recipe.with_edit(self.edit).with_depth(&self.source)
+        recipe.with_edit(self.edit).with_depth(&self.source).with_repairs(self.repairs.clone())
+    }
+
+    /// All that is undone as one.
+    pub fn step(&self) -> Step {
+        Step { edit: self.edit, repairs: self.repairs.clone() }
+    }
+
+    /// Puts back what was undone or done again.
+    pub fn take_step(&mut self, step: Step) {
+        (self.edit, self.repairs) = (step.edit, step.repairs);
+    }
+
+    /// Mends the depth; each repair is undone apart from others.
+    pub fn repair(&mut self, repair: Repair) {
+        let Some(subject) = self.open.subject() else { return };
+        match self.repairs.with(repair, Some(&subject.sign())) {
+            Some(repairs) => {
+                self.history.note(&self.step());
+                self.repairs = repairs;
+                self.history.note(&self.step());
+            }
+            None => self.toasts.error(&format!(
+                "this cannot be mended — it lies beside the photo, or {MOST} repairs are there already"
+            )),
+        }
     }
 }

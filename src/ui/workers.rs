@@ -10,7 +10,7 @@ use super::jobs::Load;
 use super::neighbours::{self, Ahead};
 use super::saver::Order;
 use super::worker::{Outbox, Worker};
-use super::{adding, dialogs, finals, history, jobs, peaking, recents, saver};
+use super::{adding, dialogs, finals, history, jobs, mending, peaking, recents, saver, trust};
 use crate::scene::Maker;
 use crate::synth::cache::Cache;
 
@@ -22,6 +22,12 @@ pub struct Workers {
     pub saver: Worker<Order>,
     /// Draws pictures at rest.
     pub finisher: Worker<finals::Request>,
+    /// Tints what was invented.
+    pub truster: Worker<trust::Request>,
+    /// Mends light fields.
+    pub mender: Worker<mending::Request>,
+    /// Finds the pixels of things, for whoever mends.
+    pub outliner: Worker<mending::Request>,
     /// Marks edges in focus.
     pub peaker: Worker<peaking::Request>,
     /// Shows the system's dialogs.
@@ -50,6 +56,9 @@ impl Workers {
             adder: Worker::spawn("nets", out(), adding::worker(Arc::clone(&maker))),
             saver: Worker::spawn("export", out(), saver::worker(maker)),
             finisher: Worker::spawn("final", out(), finals::worker(pictures.and_then(FieldPictures::lens_renderer))),
+            truster: Worker::spawn("trust", out(), trust::work),
+            mender: Worker::spawn("mend", out(), mending::work),
+            outliner: Worker::spawn("outline", out(), mending::work),
             peaker: Worker::spawn("peaking", out(), peaking::work),
             asker: Worker::spawn("dialog", out(), dialogs::work),
             folder: Worker::spawn("folder", out(), neighbours::worker(ahead.clone())),

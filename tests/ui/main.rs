@@ -12,5 +12,6 @@ mod looks;
 #[path = "../common/nets.rs"]
 mod nets;
 mod queue;
+mod repair;
 mod sources;
 mod walk;

@@ -240,3 +240,22 @@ fn repairs_that_cannot_be_done_are_told_in_one_sentence() {
     let (is_done, said) = told(r#"{"version": 2, "repairs": [1]}"#);
     assert!(!is_done && said.starts_with("error: ") && !said.contains("panicked"), "{said}");
 }
+
+#[test]
+fn what_was_invented_is_told_and_tinted() {
+    let dir = sample();
+    let told = |name: &str, rest: &[&str]| {
+        let known = ["--as", "trust", "-o", &dir.arg(name)];
+        let run = on_sample(&dir, "depth", &[&known[..], rest].concat()).success();
+        String::from_utf8(run.get_output().stdout.clone()).unwrap()
+    };
+    let (usual, much) = (told("t.png", &[]), told("t.pfm", &["--limit", "50", "--view", "4,0"]));
+    assert!(usual.contains("2 % of the picture is invented") && usual != much, "{usual}{much}");
+    assert!(much.contains("up to f/1.0"), "{much}");
+    let tinted = image::open(dir.path("t.png")).unwrap().to_rgb8();
+    on_sample(&dir, "view", &["--at", "0,0", "-o", &dir.arg("v.png")]).success();
+    let plain = image::open(dir.path("v.png")).unwrap().to_rgb8();
+    let changed = tinted.pixels().zip(plain.pixels()).filter(|(a, b)| a != b).count();
+    assert!(changed > 50 && changed < 120 * 80 / 2, "{changed} pixels are tinted");
+    assert!(fs::read(dir.path("t.pfm")).unwrap().starts_with(b"Pf\n120 80\n"));
+}

@@ -2,9 +2,12 @@
 
 use egui::{Align2, Painter, Rect, Ui, Vec2, pos2, vec2};
 
+use super::repair::{self, SlopeLine};
 use crate::field::{EpiLine, ViewGrid, ViewIndex};
 use crate::render::gpu::Draw;
+use crate::repair::{Operation, Region, Repair};
 use crate::scene::Edit;
+use crate::ui::action::Action;
 use crate::ui::field_pictures::{FieldPictures, Slot};
 use crate::ui::look::Look;
 use crate::ui::open::Open;
@@ -23,22 +26,25 @@ pub struct Epis<'a> {
     pub look: &'a Look,
     /// The images on the device.
     pub pictures: Option<&'a mut FieldPictures>,
+    /// How far a thing reaches whose line is turned, as a share of the longer side.
+    pub reach: f32,
 }
 
-/// Draws the row's image, the column's, and the slope in the corner between them.
-pub fn show(shown: Epis, ui: &Ui, [row, column, corner]: [Rect; 3]) {
-    let Epis { open, edit, look, pictures } = shown;
+/// Draws the row's image, the column's, and the slope in the corner between them. A line that is dragged to another slope
+/// moves its thing to that depth.
+pub fn show(shown: Epis, ui: &Ui, [row, column, corner]: [Rect; 3]) -> Option<Action> {
+    let Epis { open, edit, look, pictures, reach } = shown;
     let colors = theme::palette(ui.ctx());
     for rect in [row, column, corner] {
         ui.painter().rect_filled(rect, theme::PICTURE_RADIUS, colors.panel);
     }
-    let Some(pictures) = pictures else { return };
+    let pictures = pictures?;
     // What has arrived is shown before the light field is complete.
     let arrived = pictures.shape();
     let (Some(size), Some(view), Some((grid, [w, h]))) =
         (open.picture_size(), open.nearest_view(edit.viewpoint), arrived)
     else {
-        return;
+        return None;
     };
     let picture = look.pose.screen_rect(look.canvas, size);
     let inside = |p: f32, n: u32| ((p * n as f32) as u32).min(n - 1);
@@ -69,6 +75,35 @@ pub fn show(shown: Epis, ui: &Ui, [row, column, corner]: [Rect; 3]) {
         ui.painter().text(middle + vec2(0.0, 5.0), Align2::CENTER_CENTER, text, theme::medium(), colors.strong);
         ui.painter().text(middle + vec2(0.0, 21.0), Align2::CENTER_CENTER, "px/view", theme::small(), colors.weak);
     }
+    open.scene()?;
+    let at = picture.min + look.probe * picture.size();
+    let to_px = turned(ui, [row, column], at, (grid, picture.width() / w as f32, view))?;
+    let place = open.rays()?.place_in_reference(view, [look.probe.x, look.probe.y]);
+    let what = Operation::To(to_px / w as f32);
+    Some(Action::Repair(Repair::Region { of: Region::Click { at: place, size: reach }, what }))
+}
+
+/// The disparity of the line that was let go, in pixels per view step; while it is held, it is drawn.
+fn turned(
+    ui: &Ui,
+    [row, column]: [Rect; 2],
+    at: egui::Pos2,
+    (grid, per_px, view): (ViewGrid, f32, ViewIndex),
+) -> Option<f32> {
+    let pitch = [row.height() / grid.cols() as f32, column.width() / grid.rows() as f32];
+    let down = pos2(at.x, row.top() + (f32::from(view.u) + 0.5) * pitch[0]);
+    let across = pos2(column.left() + (f32::from(view.v) + 0.5) * pitch[1], at.y);
+    let lines = [
+        (row, "the row", SlopeLine { through: down, pitch: pitch[0], per_px, is_row: true }),
+        (column, "the column", SlopeLine { through: across, pitch: pitch[1], per_px, is_row: false }),
+    ];
+    for (strip, name, line) in lines {
+        if let Some((disparity_px, is_let_go)) = repair::dragged_slope(ui, strip, name, line) {
+            repair::tentative(ui.painter(), line, disparity_px, strip);
+            return is_let_go.then_some(disparity_px);
+        }
+    }
+    None
 }
 
 /// Where the strip shows its image, and which part: the picture's own extent along the strip.

@@ -2,15 +2,19 @@
 
 use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
+use super::mend;
 use super::source::{self, Sources};
 use super::strip::{self, Views};
 use crate::field::{FNumber, Lens, LensShape, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::render::cpu::Colormap;
 use crate::render::gpu::Draw;
+use crate::repair::Repairs;
 use crate::scene::Edit;
+use crate::scene::trust::{Invented, USUAL_LIMIT};
 use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::field_pictures::{FieldPictures, Slot};
+use crate::ui::mending::Mending;
 use crate::ui::open::Open;
 use crate::ui::rays::Survey;
 use crate::ui::settings::Settings;
@@ -33,11 +37,15 @@ pub struct Inspector<'a> {
     pub sources: Sources<'a>,
     /// Views and ray depths on the device.
     pub pictures: Option<&'a mut FieldPictures>,
+    /// The tool that mends depth.
+    pub mending: &'a mut Mending,
+    /// What was done to the depth.
+    pub repairs: &'a Repairs,
 }
 
 /// Draws the inspector.
 pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
-    let Inspector { open, edit, is_circling, settings, sources, mut pictures } = shown;
+    let Inspector { open, edit, is_circling, settings, sources, mut pictures, mending, repairs } = shown;
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
@@ -46,12 +54,16 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
             Frame::new().inner_margin(Margin::symmetric(16, 14)).show(ui, |ui| {
                 ui.set_width(theme::INSPECTOR_WIDTH - 32.0);
+                actions.extend(mend::show(mending, repairs, ui));
                 let before = open.lens(edit);
                 let mut after = before;
-                lens(&mut after, &mut settings.peaking, ui);
+                let limit = settings.trust_percent / 100.0;
+                let limits = open.invented().map(|invented| invented.limits(limit));
+                lens(&mut after, settings, limits.map(|limits| limits.widest), ui);
                 open.turn(edit, &before, &after);
                 if let Some(grid) = open.grid() {
-                    let eye = Eye { grid, at: &mut edit.viewpoint, is_circling };
+                    let trust = open.invented().map(|invented| (invented, limit));
+                    let eye = Eye { grid, at: &mut edit.viewpoint, is_circling, trust };
                     actions.extend(viewpoint(eye, open.rays().map(|rays| &*rays.survey), ui));
                 }
                 actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
@@ -67,7 +79,7 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
     actions
 }
 
-fn lens(lens: &mut Lens, peaking: &mut bool, ui: &mut Ui) {
+fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, ui: &mut Ui) {
     let mut shape = lens.shape;
     let before = shape;
     widgets::section(
@@ -75,11 +87,25 @@ fn lens(lens: &mut Lens, peaking: &mut bool, ui: &mut Ui) {
         "Lens",
         |ui| shape_menu(ui, &mut shape),
         |ui| {
-            aperture(ui, &mut lens.f_number);
+            aperture(ui, &mut lens.f_number, widest.map(|widest| (widest, settings.trust_percent)));
             ui.add_space(GRID);
             focus(ui, lens);
             shape_numbers(ui, &mut lens.shape);
-            widgets::switch(ui, "Focus peaking", peaking, &Command::Peaking.tip(ui.ctx()));
+            widgets::switch(ui, "Focus peaking", &mut settings.peaking, &Command::Peaking.tip(ui.ctx()));
+            widgets::switch(ui, "Trust view", &mut settings.trust, &Command::Trust.tip(ui.ctx()));
+            if settings.trust {
+                let spec = Number {
+                    label: "Invented at most",
+                    range: [0.1, 50.0],
+                    speed: 0.05,
+                    decimals: 1,
+                    prefix: "",
+                    suffix: " %",
+                    reset: 100.0 * USUAL_LIMIT,
+                    hint: "How much of the picture may be invented: the marks on aperture and pad",
+                };
+                widgets::number(ui, &mut settings.trust_percent, &spec);
+            }
         },
     );
     if shape != before {
@@ -127,7 +153,8 @@ fn f_from_place(place: f32) -> FNumber {
     FNumber(FNumber::PHOTO.0 * (FNumber::WIDEST.0 / FNumber::PHOTO.0).powf(place))
 }
 
-fn aperture(ui: &mut Ui, f: &mut FNumber) {
+/// `trust`: the widest opening before more of the picture is invented than so many per cent.
+fn aperture(ui: &mut Ui, f: &mut FNumber, trust: Option<(FNumber, f32)>) {
     let colors = theme::palette(ui.ctx());
     let spec = Number {
         label: "Aperture",
@@ -147,6 +174,11 @@ fn aperture(ui: &mut Ui, f: &mut FNumber) {
         *f = f_from_place(place);
     }
     let track = response.rect.shrink2(vec2(6.0, 0.0));
+    if let Some((widest, percent)) = trust.filter(|(widest, _)| *widest != FNumber::WIDEST) {
+        let at = pos2(track.left() + place_from_f(widest) * track.width(), response.rect.center().y - 5.0);
+        widgets::marker(ui.painter(), at, colors.strong);
+        response.on_hover_text(format!("Beyond f/{:.1} more than {percent:.1} % of the picture is invented", widest.0));
+    }
     let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
     for mark in [28.0f32, 14.0, 7.0, 3.5, 2.0, 1.0] {
         let at = place_from_f(FNumber(mark));
@@ -270,6 +302,8 @@ struct Eye<'a> {
     grid: ViewGrid,
     at: &'a mut ViewPoint,
     is_circling: &'a mut bool,
+    /// How much of each view was invented, and how much may be.
+    trust: Option<(&'a Invented, f32)>,
 }
 
 fn viewpoint(mut eye: Eye, survey: Option<&Survey>, ui: &mut Ui) -> Option<Action> {
@@ -348,12 +382,33 @@ fn pad(eye: &mut Eye, survey: Option<&Survey>, ui: &mut Ui) {
         let color = if view == here { colors.accent } else { mixed(colors.control, colors.bar, share) };
         ui.painter().rect_filled(cell, 2, color);
     }
+    if let Some((invented, limit)) = eye.trust {
+        rim(ui.painter(), rect.min, pitch, grid, |view| invented.of(view) <= limit);
+    }
     let at = eye.at.0.to_vec2();
     let at = rect.min + vec2(at.x + f32::from(zero.u) + 0.5, at.y + f32::from(zero.v) + 0.5) * pitch;
     ui.painter().circle(at, 2.5, colors.strong, (1.0, colors.panel));
     response.on_hover_text(
-        "Click or drag: where the eye is. Brighter cells hold less that was invented. Shift: between views",
+        "Click or drag: where the eye is. Brighter cells hold less that was invented, those within the line no more than is set. Shift: between views",
     );
+}
+
+/// A line round the views that hold something.
+fn rim(painter: &egui::Painter, min: egui::Pos2, pitch: f32, grid: ViewGrid, holds: impl Fn(ViewIndex) -> bool) {
+    let color = theme::palette(painter.ctx()).strong;
+    let has = |v: i32, u: i32| {
+        let is_inside = (0..grid.rows() as i32).contains(&v) && (0..grid.cols() as i32).contains(&u);
+        is_inside && holds(ViewIndex { v: v as u8, u: u as u8 })
+    };
+    for (v, u) in (0..=grid.rows() as i32).flat_map(|v| (0..=grid.cols() as i32).map(move |u| (v, u))) {
+        let at = min + vec2(u as f32, v as f32) * pitch;
+        if has(v, u) != has(v, u - 1) {
+            painter.line_segment([at, at + vec2(0.0, pitch)], (1.0, color));
+        }
+        if has(v, u) != has(v - 1, u) {
+            painter.line_segment([at, at + vec2(pitch, 0.0)], (1.0, color));
+        }
+    }
 }
 
 fn mixed(a: Color32, b: Color32, t: f32) -> Color32 {

@@ -9,9 +9,11 @@ mod export;
 mod hint;
 mod inspector;
 mod many;
+mod mend;
 mod near_end;
 mod path_box;
 mod queue;
+mod repair;
 mod ruler;
 mod settings;
 mod sheet;
@@ -28,14 +30,16 @@ use super::apply;
 use super::dialog::Dialog;
 use super::look::Face;
 use super::open::Open;
+use super::rest::Seen;
 use super::theme;
-use super::widgets::{inside, panel, veil_label};
+use super::widgets::{WHOLE, inside, panel, veil_label};
 use super::window::Window;
 use canvas::Canvas;
 use depths::Depths;
 use epi::Epis;
 use export::Export;
 use inspector::Inspector;
+use repair::Repairing;
 use ruler::Ruler;
 use source::Sources;
 use status::Status;
@@ -94,9 +98,9 @@ fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -
         let row = Rect::from_min_max(pos2(canvas.left(), canvas.bottom() + GAP), pos2(canvas.right(), work.bottom()));
         let column = Rect::from_min_max(pos2(canvas.right() + GAP, canvas.top()), pos2(work.right(), canvas.bottom()));
         let corner = Rect::from_min_max(pos2(column.left(), row.top()), work.max);
-        let Window { open, edit, look, pictures, .. } = window;
-        let epis = Epis { open, edit, look, pictures: pictures.as_mut() };
-        inside(ui, work, |ui| epi::show(epis, ui, [row, column, corner]));
+        let Window { open, edit, look, pictures, mending, .. } = window;
+        let epis = Epis { open, edit, look, pictures: pictures.as_mut(), reach: mending.reach };
+        actions.extend(inside(ui, work, |ui| epi::show(epis, ui, [row, column, corner])));
     }
     let before = window.open.lens(&window.edit);
     let mut after = before;
@@ -113,7 +117,7 @@ fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -
 
 /// The picture's present face.
 fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
-    let Window { open, edit, look, pictures, photo, rest, settings, .. } = window;
+    let Window { open, edit, look, pictures, photo, rest, settings, mending, repairs, tint, .. } = window;
     let pictures = pictures.as_mut();
     match look.face {
         Face::Picture => {
@@ -128,7 +132,19 @@ fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
             depths::show(Depths { open, edit, look, pictures, colormap: settings.colormap }, ui, area);
         }
     }
-    Vec::new()
+    let seen = Seen { open, edit, look };
+    if settings.trust
+        && let (Some(tint), Some(size)) = (tint.texture(&seen, rest.generation()), open.picture_size())
+    {
+        let rect = look.pose.screen_rect(area, size);
+        ui.painter_at(area.intersect(rect)).image(tint.id(), rect, WHOLE, theme::AS_IS);
+    }
+    if !mending.is_on {
+        return Vec::new();
+    }
+    // Over the picture, so that the pointer is the tool's.
+    let repairing = Repairing { open, edit, look, mending, repairs, colormap: settings.colormap };
+    repair::show(repairing, ui, area).into_iter().collect()
 }
 
 /// Which source of depth is looked at; on the ray depths always, else while it is compared with another.
@@ -151,10 +167,10 @@ fn compared(window: &Window, ui: &Ui, canvas: Rect) {
 
 fn inspector(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
     let (source, sources) = (window.looked_at(), window.sources());
-    let Window { open, edit, look, pictures, settings, models, .. } = window;
+    let Window { open, edit, look, pictures, settings, models, mending, repairs, .. } = window;
     let (pictures, is_circling) = (pictures.as_mut(), &mut look.is_circling);
     let sources = Sources { looked_at: source, all: sources, nets: models };
-    inspector::show(Inspector { open, edit, is_circling, settings, sources, pictures }, ui)
+    inspector::show(Inspector { open, edit, is_circling, settings, sources, pictures, mending, repairs }, ui)
 }
 
 fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {

@@ -1,0 +1,164 @@
+//! Inspector section of the repair tool: what the hand does, what is done to the chosen thing, and what was done.
+
+use egui::{Align, Layout, RichText, ScrollArea, Ui};
+
+use crate::repair::{Entry, Operation, Repair, Repairs};
+use crate::scene::Making;
+use crate::ui::action::Action;
+use crate::ui::command::Command;
+use crate::ui::mending::{Mending, Tool};
+use crate::ui::theme::{self, GRID};
+use crate::ui::widgets::{self, Number};
+
+/// Rows of the list before it scrolls.
+const LIST_HEIGHT: f32 = 120.0;
+
+/// Draws the section, while the tool is held or something was mended.
+pub fn show(mending: &mut Mending, repairs: &Repairs, ui: &mut Ui) -> Vec<Action> {
+    mending.pointed_at = None;
+    if !mending.is_on && repairs.is_empty() {
+        return Vec::new();
+    }
+    let mut actions = Vec::new();
+    let (mut leaves, tip) = (false, Command::Repair.tip(ui.ctx()));
+    let word = if mending.is_on { "done" } else { "mend" };
+    widgets::section(
+        ui,
+        "Repair",
+        |ui| leaves = widgets::link(ui, word).on_hover_text(tip).clicked(),
+        |ui| {
+            if mending.is_on {
+                tools(mending, ui);
+                actions.extend(of_tool(mending, ui));
+            }
+            actions.extend(list(mending, repairs, ui));
+        },
+    );
+    if leaves {
+        actions.push(Action::Do(Command::Repair));
+    }
+    actions
+}
+
+fn tools(mending: &mut Mending, ui: &mut Ui) {
+    let before = mending.tool;
+    widgets::segmented(ui, "Repair tool", &mut mending.tool, &Tool::ALL[..2]);
+    ui.add_space(GRID);
+    widgets::segmented(ui, "Repair brush", &mut mending.tool, &Tool::ALL[2..]);
+    ui.add_space(GRID);
+    if before != mending.tool {
+        mending.choose(None);
+    }
+}
+
+/// Sizes, and what can be done.
+fn of_tool(mending: &mut Mending, ui: &mut Ui) -> Vec<Action> {
+    let share = |label, reset, hint| Number {
+        label,
+        range: Mending::SIZES.map(|size| size * 100.0),
+        speed: 0.2,
+        decimals: 1,
+        prefix: "",
+        suffix: " %",
+        reset: reset * 100.0,
+        hint,
+    };
+    if let Tool::Brush(_) = mending.tool {
+        let mut percent = mending.brush * 100.0;
+        widgets::number(ui, &mut percent, &share("Brush", Mending::BRUSH, "Its diameter, of the longer side. Wheel"));
+        mending.brush = percent / 100.0;
+        let spec = Number {
+            label: "Strength",
+            range: [0.0, 1.0],
+            speed: 0.01,
+            decimals: 2,
+            prefix: "",
+            suffix: "",
+            reset: Mending::STRENGTH,
+            hint: "How much a stroke does",
+        };
+        widgets::number(ui, &mut mending.strength, &spec);
+        return Vec::new();
+    }
+    let before = mending.reach * 100.0;
+    let mut percent = before;
+    if mending.tool == Tool::Thing {
+        let hint = "How far the thing reaches from the click, of the longer side. Wheel";
+        widgets::number(ui, &mut percent, &share("Reach", Mending::REACH, hint));
+    }
+    if percent != before {
+        mending.grow(percent / before);
+    }
+    let spec = Number {
+        label: "By",
+        range: [0.01, 5.0],
+        speed: 0.005,
+        decimals: 2,
+        prefix: "",
+        suffix: " px/view",
+        reset: Mending::BY_PX,
+        hint: "By how much Nearer and Farther move the thing",
+    };
+    widgets::number(ui, &mut mending.by_px, &spec);
+    operations(mending, ui)
+}
+
+fn operations(mending: &Mending, ui: &mut Ui) -> Vec<Action> {
+    let by = mending.by_px / Making::LONG_SIDE as f32;
+    let all = [
+        (Operation::Nearer(by), "Nearer", "All of the thing comes nearer"),
+        (Operation::Farther(by), "Farther", "All of the thing goes farther away"),
+        (Operation::Flatten, "Flatten", "A card that faces the camera"),
+        (Operation::Stand, "Stand", "A vertical plane on the thing's foot"),
+        (Operation::Lie, "Lie", "A part of the ground around the thing"),
+        (Operation::Join, "Join", "The depth of the neighbour that goes on in the same colours"),
+    ];
+    let mut actions = Vec::new();
+    let has_thing = mending.chosen().is_some();
+    ui.horizontal_wrapped(|ui| {
+        for (what, label, hint) in all {
+            let button = ui.add_enabled_ui(has_thing, |ui| widgets::button(ui, label).on_hover_text(hint)).inner;
+            if button.clicked() {
+                actions.extend(mending.repair(what).map(Action::Repair));
+            }
+        }
+    });
+    if !has_thing {
+        let weak = theme::palette(ui.ctx()).weak;
+        let text = match mending.tool {
+            Tool::Lasso => "Draw round a thing in the picture",
+            _ => "Click a thing in the picture; the wheel grows it",
+        };
+        ui.label(RichText::new(text).small().color(weak));
+    }
+    actions
+}
+
+/// What was done, one line each, to be taken away singly.
+fn list(mending: &mut Mending, repairs: &Repairs, ui: &mut Ui) -> Option<Action> {
+    let colors = theme::palette(ui.ctx());
+    let mut action = None;
+    ui.add_space(GRID);
+    ScrollArea::vertical().id_salt("repairs").max_height(LIST_HEIGHT).show(ui, |ui| {
+        for (number, entry) in repairs.entries().iter().enumerate() {
+            let name = entry.repair().map_or("Not known to this version", Repair::label);
+            let row = ui.horizontal(|ui| {
+                let weak = matches!(entry, Entry::Unknown(_));
+                let color = if weak { colors.weak } else { colors.strong };
+                ui.label(RichText::new(format!("{}  {name}", number + 1)).color(color));
+                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                    let remove = ui.small_button("×").on_hover_text("Take this repair away");
+                    let label = format!("Remove repair {}", number + 1);
+                    remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
+                    if remove.clicked() {
+                        action = Some(Action::Unrepair(number));
+                    }
+                });
+            });
+            if row.response.contains_pointer() {
+                mending.pointed_at = Some(number);
+            }
+        }
+    });
+    action
+}

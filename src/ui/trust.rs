@@ -1,0 +1,80 @@
+//! What was invented of the picture that is shown: tinted over it once the hand rests.
+
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+
+use super::event::Event;
+use super::look::Face;
+use super::rest::Seen;
+use super::theme;
+use super::worker::{JobId, Outbox};
+use crate::field::{Lens, ViewPoint};
+use crate::job::Cancel;
+use crate::scene::Scene;
+
+/// How clearly what was invented is covered.
+const ALPHA: f32 = 0.85;
+
+/// What a tint belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrustKey {
+    lens: Lens,
+    from: ViewPoint,
+    generation: u64,
+}
+
+/// A request for a tint.
+pub struct Request {
+    key: TrustKey,
+    scene: Scene,
+}
+
+/// The tint that is there, and the one that was asked for.
+#[derive(Default)]
+pub struct Tint {
+    there: Option<(TrustKey, TextureHandle)>,
+    asked_for: Option<TrustKey>,
+}
+
+impl Tint {
+    /// Another file is open.
+    pub fn forget(&mut self) {
+        *self = Self::default();
+    }
+
+    fn key(seen: &Seen, generation: u64) -> Option<TrustKey> {
+        let lens = seen.open.lens(seen.edit);
+        (seen.look.face == Face::Picture).then_some(TrustKey { lens, from: seen.edit.viewpoint, generation })
+    }
+
+    /// The tint that is to be made now: once the hand rests.
+    pub fn ask(&mut self, seen: &Seen, generation: u64) -> Option<Request> {
+        let key = Self::key(seen, generation).filter(|key| self.asked_for != Some(*key))?;
+        let scene = seen.open.scene()?;
+        if seen.look.is_moving {
+            return None;
+        }
+        self.asked_for = Some(key);
+        Some(Request { key, scene: scene.clone() })
+    }
+
+    /// A tint is there.
+    pub fn put(&mut self, key: TrustKey, image: ColorImage, ctx: &Context) {
+        self.there = Some((key, ctx.load_texture("trust", image, TextureOptions::LINEAR)));
+    }
+
+    /// The tint of what is shown.
+    pub fn texture(&self, seen: &Seen, generation: u64) -> Option<&TextureHandle> {
+        let key = Self::key(seen, generation)?;
+        self.there.as_ref().filter(|(have, _)| *have == key).map(|(_, texture)| texture)
+    }
+}
+
+/// The work of the thread.
+pub fn work(job: JobId, Request { key, scene }: Request, _: &Cancel, outbox: &Outbox) {
+    let Ok(trust) = scene.trust() else { return };
+    let doubt = trust.of_picture(&key.lens, key.from);
+    let sides = doubt.sides();
+    let tint = |doubt: f32| theme::PEAK.gamma_multiply(doubt.clamp(0.0, 1.0).sqrt() * ALPHA);
+    let image = ColorImage::new(sides, doubt.into_pixels().into_iter().map(tint).collect());
+    outbox.send(job, Event::Trust(key, image));
+}
