@@ -11,7 +11,7 @@ FNR == 1 {
     room = FILENAME
     sub(/^src\//, "", room)
     sub(/[\/.].*/, "", room)
-    home = room ~ /^(app|train|xtask)$/ ? "plenoscope" : "crate"
+    home = room ~ /^(app|python|train|xtask)$/ ? "plenoscope" : "crate"
     seen[room] = 1
     if (!(room in known)) tell(room " is no room of scripts/borders.txt")
 }

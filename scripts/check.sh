@@ -26,7 +26,7 @@ only_in() {
 
 # Which room may name which: scripts/borders.txt says it, ARCHITECTURE draws it.
 borders() {
-    git ls-files 'src/*.rs' 'app/src/*.rs' 'xtask/src/*.rs' | grep -vE '(_|/)tests(\.rs|/)|^src/lib\.rs$' |
+    git ls-files 'src/*.rs' 'app/src/*.rs' 'python/src/*.rs' 'xtask/src/*.rs' | grep -vE '(_|/)tests(\.rs|/)|^src/lib\.rs$' |
         xargs awk -f scripts/borders.awk &&
         sed -n '/^```borders$/,/^```$/{//!p}' ARCHITECTURE.md | diff - scripts/borders.txt
 }
@@ -61,6 +61,7 @@ check "formatting" cargo fmt --all --check
 check "tract only in synth/tract and the trainer's export" only_in '\btract(_onnx|_core|_linalg|_data|_hir)\b' 'src/synth/tract*' 'src/train/export*' 'src/train/*/export*'
 check "wgpu only in render/gpu, render/lens/gpu and ui" only_in '\bwgpu::' src/render/gpu 'src/render/lens/gpu*' src/ui
 check "egui only in ui and render/gpu/present" only_in '\b(egui|eframe|egui_wgpu)::' src/ui 'src/render/gpu/present*'
+check "pyo3 only in the Python package" only_in '\bpyo3::' python
 check "burn only in the trainer" only_in '\bburn::' src/train
 # The op hands the kernel memory that nobody has written yet: clearing it first costs as much as a layer.
 check "unsafe only in the kernel and the op that calls it" only_in '\bunsafe\b *(\{|fn|impl|trait|extern)' src/kernel src/synth/tract/op.rs

@@ -1,6 +1,7 @@
 //! Errors as a person reads them, for every front door.
 
 use std::error::Error;
+use std::fmt::Display;
 
 /// An error with its causes, as one sentence; a cause that the error's own text already holds is not repeated.
 pub fn sentence(error: &dyn Error) -> String {
@@ -16,9 +17,19 @@ pub fn sentence(error: &dyn Error) -> String {
     text
 }
 
+/// A message without line breaks, as every front door shows it.
+pub fn one_line(message: &impl Display) -> String {
+    message.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_error_is_one_line() {
+        assert_eq!(one_line(&"cannot do\n  that — because\r\nof this"), "cannot do that — because of this");
+    }
 
     #[derive(Debug, thiserror::Error)]
     #[error("cannot read it: disk on fire")]

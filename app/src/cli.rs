@@ -7,11 +7,11 @@ use clap_complete::Shell;
 use plenoscope::field::{FNumber, LensShape};
 use plenoscope::render::cpu::Colormap;
 use plenoscope::scene::export::{Kind, Settings};
-use plenoscope::scene::{Making, Movement, trust};
+use plenoscope::scene::{Making, Movement, OutputSize, asked, trust};
 use plenoscope::shard::Shard;
 use plenoscope::synth::Scale;
 
-use crate::values::{self, Pair, PictureSize, Range, Size};
+use crate::values::{self, Pair, Range, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
 #[derive(Debug, Parser)]
@@ -34,13 +34,13 @@ pub struct Cli {
 #[command(next_help_heading = "Window")]
 pub struct Window {
     /// Long side of a view, in pixels; by default what the settings say
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=4096))]
+    #[arg(long, value_name = "N", value_parser = values::whole(asked::LONG_SIDES))]
     pub long_side: Option<u32>,
     /// Take the nets from this folder instead of those in the program
     #[arg(long, value_name = "DIR")]
     pub models: Option<PathBuf>,
     /// Threads that compute; 0 is one for each core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::whole(asked::THREADS))]
     pub threads: u16,
     /// Do not open the file of the last time
     #[arg(long)]
@@ -169,7 +169,7 @@ pub struct Sample {
 #[command(next_help_heading = "From photo to light field")]
 pub struct SynthArgs {
     /// Long side of a view, in pixels; a smaller photo is not enlarged
-    #[arg(long, value_name = "N", default_value_t = Making::LONG_SIDE, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    #[arg(long, value_name = "N", default_value_t = Making::LONG_SIDE, value_parser = values::whole(asked::LONG_SIDES))]
     pub long_side: u32,
     /// Use this ray depth for the reference view instead of a net's (PFM, pixels per view step at its own width)
     #[arg(long, value_name = "FILE.pfm")]
@@ -180,12 +180,12 @@ pub struct SynthArgs {
     pub source: String,
     /// How far ray depths of a net reach: deep, for refocusing far, or lytro, as the paper's camera would have seen
     #[arg(long, value_name = "SCALE", default_value = "deep")]
-    pub scale: Scale,
+    pub depth_scale: Scale,
     /// Take the nets from this folder instead of those in the program
     #[arg(long, value_name = "DIR")]
     pub models: Option<PathBuf>,
     /// Threads that compute; 0 is one for each core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::whole(asked::THREADS))]
     pub threads: u16,
     /// Leave the occlusion net out
     #[arg(long)]
@@ -220,10 +220,10 @@ pub struct Refocus {
     #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
     pub at: Option<Pair>,
     /// photo, light-field, or WxH; by default that of the photo, of a light field that of its views
-    #[arg(long, value_name = "SIZE")]
-    pub size: Option<PictureSize>,
+    #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
+    pub size: Option<OutputSize>,
     /// Quality of a JPEG, 1 to 100
-    #[arg(long, value_name = "Q", value_parser = clap::value_parser!(u8).range(1..=100))]
+    #[arg(long, value_name = "Q", value_parser = values::whole(asked::QUALITIES))]
     pub quality: Option<u8>,
     /// Bits of a channel, 8 or 16 (PNG and TIFF); by default those of the photo
     #[arg(long, value_name = "N", value_parser = values::bits)]
@@ -252,7 +252,7 @@ pub struct LensArgs {
     #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number)]
     pub focus_disparity: Option<f32>,
     /// Shape of the opening: disc, square, blades:5 … blades:9, ring or cat-eye; by default disc
-    #[arg(long, value_name = "SHAPE", value_parser = values::lens_shape)]
+    #[arg(long, value_name = "SHAPE", value_parser = asked::lens_shape)]
     pub lens: Option<LensShape>,
     /// Disparities that stay sharp, from far to near
     #[arg(long, value_name = "D0..D1", allow_hyphen_values = true)]
@@ -304,7 +304,7 @@ pub struct Epi {
     #[arg(long, value_name = "X", group = "line")]
     pub column: Option<u32>,
     /// Rows of the picture for each view
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
+    #[arg(long, value_name = "N", default_value_t = asked::EPI_SCALE, value_parser = values::whole(asked::EPI_SCALES))]
     pub scale: u32,
     #[command(flatten)]
     pub recipe: RecipeArgs,
@@ -375,8 +375,8 @@ pub struct Export {
     #[command(flatten)]
     pub lens: LensArgs,
     /// Size of the frames of focal-stack and animation: photo, light-field, or WxH to fit into
-    #[arg(long, value_name = "SIZE")]
-    pub size: Option<PictureSize>,
+    #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
+    pub size: Option<OutputSize>,
     /// Frames of focal-stack and animation
     #[arg(long, value_name = "N", default_value_t = Settings::FRAMES, value_parser = values::frames())]
     pub frames: u16,
@@ -471,7 +471,7 @@ pub struct Bench {
     #[arg(long, value_name = "DIR")]
     pub models: Option<PathBuf>,
     /// Threads that compute; 0 is one for each core
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::whole(asked::THREADS))]
     pub threads: u16,
     /// Which code does the convolutions
     #[arg(long, value_enum, default_value_t = EnginePath::Auto)]

@@ -13,6 +13,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use plenoscope::job::{Cancel, Job};
 use plenoscope::kernel::blocks::LargeBlocks;
+use plenoscope::scene::SceneError;
+use plenoscope::scene::asked::Usage;
 
 use crate::cli::{Cli, Talk};
 use crate::progress::Bar;
@@ -36,10 +38,15 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(_) if cancel.is_cancelled() => ExitCode::from(INTERRUPTED),
         Err(error) => {
-            eprintln!("error: {}", output::one_line(&error));
-            if error.is::<commands::Usage>() { ExitCode::from(USAGE) } else { ExitCode::FAILURE }
+            eprintln!("error: {}", plenoscope::errors::one_line(&error));
+            if is_usage(&error) { ExitCode::from(USAGE) } else { ExitCode::FAILURE }
         }
     }
+}
+
+/// Whether the arguments are wrong, and not what they name.
+fn is_usage(error: &anyhow::Error) -> bool {
+    error.is::<Usage>() || matches!(error.downcast_ref(), Some(SceneError::Usage(_)))
 }
 
 /// `-v` shows what the program says, `-vv` and `-vvv` what its libraries say; `RUST_LOG` is heard too.

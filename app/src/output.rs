@@ -1,6 +1,5 @@
 //! What the program says: answers on stdout, one line of error on stderr.
 
-use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 
 use anyhow::{Result, anyhow};
@@ -26,20 +25,5 @@ pub fn write_out(bytes: &[u8]) -> Result<()> {
             Err(anyhow!("the answer cannot be written — {error} — look where stdout goes"))
         }
         _ => Ok(()),
-    }
-}
-
-/// A message without line breaks.
-pub fn one_line(message: &impl Display) -> String {
-    message.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_error_is_one_line() {
-        assert_eq!(one_line(&"cannot do\n  that — because\r\nof this"), "cannot do that — because of this");
     }
 }

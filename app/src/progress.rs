@@ -48,7 +48,7 @@ impl Sink for Bar {
 
     fn warning(&self, text: String) {
         if !self.quiet {
-            self.bar.suspend(|| eprintln!("warning: {}", crate::output::one_line(&text)));
+            self.bar.suspend(|| eprintln!("warning: {}", plenoscope::errors::one_line(&text)));
         }
     }
 }

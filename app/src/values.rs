@@ -1,11 +1,13 @@
 //! Values of arguments that are more than a number: places, ranges, sizes, lens shapes.
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use plenoscope::field::{FNumber, LensShape};
+use clap::builder::{PossibleValue, PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
+use plenoscope::field::{FNumber, ViewOffset};
 use plenoscope::scene::Movement;
-use plenoscope::scene::export::{Group, KINDS, Kind, Settings};
+use plenoscope::scene::asked::{self, Usage};
+use plenoscope::scene::export::{KINDS, Kind, Settings};
 
 /// Two numbers with a comma between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +19,18 @@ impl FromStr for Pair {
     fn from_str(text: &str) -> Result<Self, String> {
         let (a, b) = text.split_once(',').ok_or("two numbers with a comma between them are wanted, like 120,80")?;
         Ok(Self(number(a)?, number(b)?))
+    }
+}
+
+impl From<Pair> for [f32; 2] {
+    fn from(Pair(a, b): Pair) -> Self {
+        [a, b]
+    }
+}
+
+impl From<Pair> for ViewOffset {
+    fn from(Pair(du, dv): Pair) -> Self {
+        Self { dv, du }
     }
 }
 
@@ -43,51 +57,17 @@ impl FromStr for Range {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub [u32; 2]);
 
-/// The longest side that is rendered.
-const MAX_SIDE: u32 = 65_535;
-
 impl FromStr for Size {
-    type Err = String;
+    type Err = Usage;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wanted = "a width and a height in pixels are wanted, like 2048x1365";
-        let (w, h) = text.split_once(['x', 'X', '×']).ok_or(wanted)?;
-        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
-        Ok(Self([side(w).ok_or(wanted)?, side(h).ok_or(wanted)?]))
-    }
-}
-
-/// The size of a refocused picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureSize {
-    /// That of the photo.
-    Photo,
-    /// That of a view.
-    LightField,
-    /// As asked for.
-    Custom(Size),
-}
-
-impl FromStr for PictureSize {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "photo" => Ok(Self::Photo),
-            "light-field" => Ok(Self::LightField),
-            _ => text.parse().map(Self::Custom).map_err(|wanted| format!("photo or light-field, or {wanted}")),
-        }
+    fn from_str(text: &str) -> Result<Self, Usage> {
+        asked::sides(text).map(Self)
     }
 }
 
 /// An f-number from 28 (the photo) to 1.
-pub fn f_number(text: &str) -> Result<FNumber, String> {
-    let n = number(text.trim_start_matches("f/"))?;
-    if (FNumber::WIDEST.0..=FNumber::PHOTO.0).contains(&n) {
-        Ok(FNumber(n))
-    } else {
-        Err("an f-number from 28 (the photo as it is) to 1 is wanted".to_owned())
-    }
+pub fn f_number(text: &str) -> Result<FNumber, Usage> {
+    asked::f_number(number(text.trim_start_matches("f/")).map_err(Usage)?)
 }
 
 /// What can be written, as `--as` names it.
@@ -97,8 +77,7 @@ pub fn kinds() -> impl TypedValueParser<Value = Kind> {
 
 /// Formats that hold a whole light field.
 pub fn field_formats() -> impl TypedValueParser<Value = Kind> {
-    let all = KINDS.iter().filter(|spec| spec.group == Group::LightField);
-    named(all.map(|spec| (spec.id, spec.hint, spec.kind)).collect())
+    named(asked::field_formats().map(|spec| (spec.id, spec.hint, spec.kind)).collect())
 }
 
 /// What moves in an animation.
@@ -130,20 +109,14 @@ pub fn eyes_apart(text: &str) -> Result<f32, String> {
     }
 }
 
-/// `disc`, `square`, `blades:5` … `blades:9`, `ring` or `cat-eye`.
-pub fn lens_shape(text: &str) -> Result<LensShape, String> {
-    let (name, count) = text.split_once(':').unwrap_or((text, ""));
-    match (name, count) {
-        ("disc", "") => Ok(LensShape::Disc),
-        ("square", "") => Ok(LensShape::Square),
-        ("ring", "") => Ok(LensShape::Ring { inner: 0.6 }),
-        ("cat-eye", "") => Ok(LensShape::CatEye { strength: 1.0 }),
-        ("blades", count) => match count.parse() {
-            Ok(count @ 5..=9) => Ok(LensShape::Blades { count, rotation_deg: 0.0, roundness: 0.0 }),
-            _ => Err("5 to 9 blades are wanted, like blades:6".to_owned()),
-        },
-        _ => Err("disc, square, blades:5 to blades:9, ring or cat-eye is wanted".to_owned()),
-    }
+/// A number from 0 to 1.
+pub fn share(text: &str) -> Result<f32, Usage> {
+    asked::share(number(text).map_err(Usage)?)
+}
+
+/// 8 or 16 bits.
+pub fn bits(text: &str) -> Result<u8, Usage> {
+    asked::bits(text.parse().unwrap_or(0))
 }
 
 /// A number from 0 to 100.
@@ -151,25 +124,19 @@ pub fn percent(text: &str) -> Result<f32, String> {
     number(text).ok().filter(|n| (0.0..=100.0).contains(n)).ok_or_else(|| "a number from 0 to 100 is wanted".to_owned())
 }
 
-/// A number from 0 to 1.
-pub fn share(text: &str) -> Result<f32, String> {
-    let share = number(text)?;
-    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err("a number from 0 to 1 is wanted".to_owned()) }
-}
-
-/// 8 or 16 bits.
-pub fn bits(text: &str) -> Result<u8, String> {
-    match text {
-        "8" => Ok(8),
-        "16" => Ok(16),
-        _ => Err("8 or 16 is wanted".to_owned()),
-    }
-}
-
 /// A finite number.
 pub fn number(text: &str) -> Result<f32, String> {
     let number = text.trim().parse::<f32>().ok().filter(|n| n.is_finite());
     number.ok_or_else(|| format!("\"{}\" is not a number", text.trim()))
+}
+
+/// A whole number of a range that the library has.
+pub fn whole<T>(range: RangeInclusive<T>) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + TryFrom<i64> + Into<i64> + 'static,
+    <T as TryFrom<i64>>::Error: std::error::Error + Send + Sync + 'static,
+{
+    RangedI64ValueParser::<T>::new().range(range.start().clone().into()..=range.end().clone().into())
 }
 
 #[cfg(test)]
@@ -186,21 +153,16 @@ mod tests {
     #[test]
     fn sizes() {
         assert_eq!("640x480".parse(), Ok(Size([640, 480])));
-        assert_eq!("photo".parse(), Ok(PictureSize::Photo));
-        assert_eq!("8x9".parse(), Ok(PictureSize::Custom(Size([8, 9]))));
         assert!(
             "0x9".parse::<Size>().is_err() && "99999999x1".parse::<Size>().is_err() && "640".parse::<Size>().is_err()
         );
     }
 
     #[test]
-    fn lenses() {
-        assert_eq!(lens_shape("disc"), Ok(LensShape::Disc));
-        assert!(matches!(lens_shape("blades:7"), Ok(LensShape::Blades { count: 7, .. })));
-        for wrong in ["blades", "blades:4", "blades:10", "disc:2", "lens", ""] {
-            assert!(lens_shape(wrong).is_err(), "{wrong}");
-        }
+    fn numbers() {
         assert_eq!(f_number("f/2.8"), Ok(FNumber(2.8)));
         assert!(f_number("0.9").is_err() && f_number("29").is_err() && f_number("inf").is_err());
+        assert_eq!((bits("16"), share("0.5")), (Ok(16), Ok(0.5)));
+        assert!(bits("12").is_err() && bits("x").is_err() && share("2").is_err());
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, Size, View, ViewGrid, ViewIndex, check_len};
+use super::{FieldError, Size, View, ViewGrid, ViewIndex, check_len, pixels};
 
 /// A 4-D light field, in sRGB.
 ///
@@ -31,6 +31,12 @@ impl LightField {
         Ok(Self { grid, size, views })
     }
 
+    /// A light field of views of one size that lie one after the other in a block, `[v, u, y, x, 4]`.
+    pub fn from_block(grid: ViewGrid, size: Size, rgba: Vec<u8>) -> Result<Self, FieldError> {
+        check_len("the light field", grid.count() * pixels(size) * 4, rgba.len())?;
+        Ok(Self { grid, size, views: View::all_of(rgba.into(), size).map(Arc::new).collect() })
+    }
+
     /// Rows and columns of views.
     pub fn grid(&self) -> ViewGrid {
         self.grid
@@ -55,6 +61,29 @@ impl LightField {
     pub fn views(&self) -> &[Arc<View>] {
         &self.views
     }
+
+    /// The same light field with its views one after the other in one block of memory; itself where they lie so already.
+    #[must_use]
+    pub fn in_one_block(self: Arc<Self>) -> Arc<Self> {
+        if self.block().is_some() {
+            return self;
+        }
+        let mut block = Vec::with_capacity(self.grid.count() * pixels(self.size) * 4);
+        self.views.iter().for_each(|view| block.extend_from_slice(view.rgba()));
+        Self::from_block(self.grid, self.size, block).map_or(self, Arc::new)
+    }
+
+    /// All bytes, `[v, u, y, x, 4]`, where the views lie in one block.
+    pub fn block(&self) -> Option<&[u8]> {
+        let (block, _) = self.views[0].block();
+        let bytes = pixels(self.size) * 4;
+        let in_place = |(n, view): (usize, &Arc<View>)| {
+            let (other, start) = view.block();
+            Arc::ptr_eq(block, other) && start == n * bytes
+        };
+        let is_one = block.len() == bytes * self.views.len() && self.views.iter().enumerate().all(in_place);
+        is_one.then_some(&***block)
+    }
 }
 
 /// A straight cut through a light field: an epipolar image.
@@ -74,4 +103,24 @@ pub enum EpiLine {
         /// Column of views.
         u: u8,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_block_holds_all_views_in_order() {
+        let grid = ViewGrid::new(2, 3).unwrap();
+        let view = |n: u8| Arc::new(View::new([2, 1], vec![n; 8]).unwrap());
+        let field = Arc::new(LightField::new(grid, (0..6).map(view).collect()).unwrap());
+        assert!(field.block().is_none());
+        let packed = Arc::clone(&field).in_one_block();
+        assert_eq!(packed, field);
+        assert_eq!(packed.block().unwrap(), (0..6).flat_map(|n| [n; 8]).collect::<Vec<u8>>());
+        assert!(Arc::ptr_eq(&packed, &Arc::clone(&packed).in_one_block()), "what lies in one block stays where it is");
+        let turned = LightField::new(grid, packed.views().iter().rev().cloned().collect()).unwrap();
+        assert!(turned.block().is_none(), "another order is another block");
+        assert_eq!(View::clone(packed.view(ViewIndex { v: 1, u: 0 })).into_rgba(), [3; 8]);
+    }
 }

@@ -6,6 +6,7 @@ use crate::job::Cancelled;
 use crate::render::lens::LensError;
 use crate::synth::{ModelError, SynthError};
 
+use super::asked::Usage;
 use super::recipe::RecipeError;
 
 /// Anything that can stop the way from a file to a picture.
@@ -29,6 +30,12 @@ pub enum SceneError {
     /// The file could not be written.
     #[error(transparent)]
     Save(#[from] SaveError),
+    /// The arguments cannot be, or do not go together.
+    #[error(transparent)]
+    Usage(#[from] Usage),
+    /// What was asked for would do harm, or has no sense; the text says it.
+    #[error("{0}")]
+    Refused(String),
     /// Stopped.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

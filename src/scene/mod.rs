@@ -8,11 +8,13 @@
 //! * [`Maker`]: its disparities and views, by nets that stay warm, from the cache, or by sweep; only what is needed.
 //! * [`Scene`]: a subject with its disparity; pictures of it by the lens renderer, or by its views.
 //! * [`Edit`], [`Focus`]: what a person does to a picture, in numbers without a width.
+//! * [`asked`]: what is typed, on the command line or in Python, brought to what stands above.
 //! * [`recipe`]: an edit as a small JSON file; [`export`]: everything that can be written; [`batch`]: of many photos.
 //!
-//! The window and the command line hold arguments, threads and what is on the screen, and decide nothing that is
+//! Window, command line and Python package hold arguments, threads and what is on the screen, and decide nothing that is
 //! decided here.
 
+pub mod asked;
 pub mod batch;
 mod edit;
 mod error;

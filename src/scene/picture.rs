@@ -139,6 +139,13 @@ impl Scene {
         self.unmended.as_deref().unwrap_or(self)
     }
 
+    /// The same scene with its views in one block of memory, for those who look at the memory itself.
+    #[must_use]
+    pub fn in_one_block(self) -> Self {
+        let views = self.views.map(|made| MadeViews { field: made.field.in_one_block(), ..made });
+        Self { views, ..self }
+    }
+
     /// What it is a scene of.
     pub fn subject(&self) -> &Arc<Subject> {
         &self.subject

@@ -122,6 +122,15 @@ impl Subject {
         }
     }
 
+    /// The same with its views, where it has some, in one block of memory.
+    #[must_use]
+    pub fn in_one_block(mut self) -> Self {
+        if let Content::Views(recorded) = &mut self.content {
+            recorded.shown = Arc::clone(&recorded.shown).in_one_block();
+        }
+        self
+    }
+
     /// A photo with a map of one's own; a recorded light field stays as it is.
     #[must_use]
     pub fn with_own_map(mut self, own: GivenDepth) -> Self {

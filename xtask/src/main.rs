@@ -4,6 +4,7 @@ mod beyond;
 mod nets;
 mod onnxruntime;
 mod package;
+mod python;
 mod system;
 
 use std::path::{Path, PathBuf};
@@ -11,9 +12,10 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, Result, bail};
 
-const USAGE: &str = "usage: cargo xtask test [--all] [ARG…]   all tests, tract against ONNX Runtime among them; --all
+const USAGE: &str = "usage: cargo xtask test [--all] [ARG…]   all tests, tract against ONNX Runtime and the Python package among them; --all
                                   also exports depth nets with PyTorch (gigabytes) and compares those, runs a
                                   job array on Slurm, and installs the .deb into bare Debian systems
+       cargo xtask python         the tests of the Python package alone
        cargo xtask beyond         those two last ones alone
        cargo xtask package        what people install, for this system, into target/packages
        cargo xtask bench [ARG…]   plenoscope bench with ONNX Runtime beside it
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
     let done = match task.as_str() {
         "test" => test(&rest),
         "bench" => bench(&rest),
+        "python" => python(),
         "beyond" => beyond::all(&root()),
         "package" => package::make(&root()).map(|made| made.iter().for_each(|file| say(&file.display().to_string()))),
         "onnxruntime" => onnxruntime::library(&root()).map(|path| say(&path.display().to_string())),
@@ -47,12 +50,23 @@ fn test(args: &[String]) -> Result<()> {
     let root = root();
     system::ensure()?;
     let (all, args): (Vec<&String>, Vec<&String>) = args.iter().partition(|arg| *arg == "--all");
-    let mut cargo = Command::new(env!("CARGO"));
+    let mut cargo = cargo_test(&root)?;
     if !all.is_empty() {
         cargo.env("PLENOSCOPE_NETS", nets::folder(&root)?);
     }
-    cargo.current_dir(&root).args(["test", "--workspace", "--no-fail-fast"]);
-    match onnxruntime::library(&root) {
+    let tested = run(cargo.arg("--no-fail-fast").args(args));
+    let python = python::test(&root);
+    if !all.is_empty() {
+        beyond::all(&root)?;
+    }
+    tested.and(python)
+}
+
+/// `cargo test` of the workspace, always with the same selection, so that everything is compiled once.
+fn cargo_test(root: &Path) -> Result<Command> {
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.current_dir(root).args(["test", "--workspace"]);
+    match onnxruntime::library(root) {
         Ok(path) => {
             eprintln!("xtask: tract is checked against ONNX Runtime {} ({})", onnxruntime::VERSION, path.display());
             cargo.args(["--features", "plenoscope/onnxruntime"]).env("ORT_DYLIB_PATH", path);
@@ -62,11 +76,14 @@ fn test(args: &[String]) -> Result<()> {
         }
         Err(error) => eprintln!("\nxtask: SKIPPED: tract is NOT checked against ONNX Runtime: {error:#}\n"),
     }
-    let tested = run(cargo.args(args));
-    if !all.is_empty() {
-        beyond::all(&root)?;
-    }
-    tested
+    Ok(cargo)
+}
+
+/// The tests of the Python package, with what `cargo xtask test` builds.
+fn python() -> Result<()> {
+    let root = root();
+    run(cargo_test(&root)?.arg("--no-run"))?;
+    python::test(&root)
 }
 
 /// Runs `plenoscope bench` with ONNX Runtime timed on the same files.

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Result, anyhow, bail};
+use plenoscope::errors::one_line;
 use plenoscope::job::Job;
 use plenoscope::scene::Recipe;
 use plenoscope::scene::batch::{self, Earlier, Line, Order, Summary};
 
 use super::input;
 use crate::cli::Batch;
-use crate::output::{one_line, say, write_out};
+use crate::output::{say, write_out};
 
 /// Runs all of them, then says how it went.
 pub fn run(args: &Batch, job: &Job) -> Result<()> {
@@ -36,6 +37,7 @@ pub fn run(args: &Batch, job: &Job) -> Result<()> {
 
 fn order(args: &Batch) -> Result<Order> {
     let mut recipe = Recipe::read(&args.recipe)?;
+    let how = input::how(&args.synth, None)?;
     if let Some(name) = &args.name {
         recipe.export.name.clone_from(name);
     }
@@ -51,8 +53,8 @@ fn order(args: &Batch) -> Result<Order> {
         jobs: args.share.jobs.into(),
         earlier,
         shard: args.share.shard,
-        making: input::making(&args.synth),
-        own_map: input::own_map(&args.synth)?,
+        making: how.making().clone(),
+        own_map: how.own_map().cloned(),
     })
 }
 

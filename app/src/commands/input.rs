@@ -7,58 +7,35 @@ use anyhow::Result;
 use plenoscope::io::formats::depth_map::GivenDepth;
 use plenoscope::io::formats::pfm;
 use plenoscope::job::Job;
-use plenoscope::scene::{DepthFrom, Maker, Making, Need, Recipe, Scene, Subject};
+use plenoscope::scene::asked::How;
+use plenoscope::scene::{DepthFrom, Maker, Making, Need, Recipe, Scene};
 use plenoscope::synth::ModelSource;
 use plenoscope::synth::adopt::Shelf;
 use plenoscope::synth::cache::Cache;
 
 use crate::cli::{RecipeArgs, SynthArgs};
 
-/// Opens a photo or a light field; a photo with the map of `--disparity`.
-pub fn subject(path: &Path, args: &SynthArgs, job: &Job) -> Result<Arc<Subject>> {
-    let subject = Subject::open(path, job)?;
-    Ok(Arc::new(match own_map(args)? {
-        Some(map) => subject.with_own_map(map),
-        None => subject,
-    }))
-}
-
-/// The map that `--disparity` names.
-pub fn own_map(args: &SynthArgs) -> Result<Option<GivenDepth>> {
-    let map = args.disparity.as_deref().map(pfm::read_pfm).transpose()?;
-    Ok(map.map(|map| GivenDepth::Disparity(Arc::new(map))))
-}
-
 /// Opens a photo or a light field, and makes of it what is needed; its depth as the edit says, where one is named.
 pub fn scene(path: &Path, args: &SynthArgs, edit: &RecipeArgs, need: Need, job: &Job) -> Result<Scene> {
-    let making = making_with(args, recipe(edit)?.as_ref());
-    Ok(maker(args).scene(&subject(path, args, job)?, &making, need, job)?)
+    let how = how(args, edit.recipe.as_deref())?;
+    Ok(how.scene(&how.open(path, job)?, &maker(args), need, job)?)
 }
 
-/// The edit that is named.
-pub fn recipe(args: &RecipeArgs) -> Result<Option<Recipe>> {
-    Ok(args.recipe.as_deref().map(Recipe::read).transpose()?)
-}
-
-/// How light fields are made, as the arguments name it and the edit says it.
-pub fn making_with(args: &SynthArgs, recipe: Option<&Recipe>) -> Making {
-    let making = making(args);
-    recipe.map_or_else(|| making.clone(), |recipe| making.with_recipe(recipe))
-}
-
-/// How light fields are made, as the arguments name it.
-pub fn making(args: &SynthArgs) -> Making {
-    let source = if args.disparity.is_some() { DepthFrom::Map } else { DepthFrom::named(&args.source) };
-    Making {
+/// How light fields are made, as the arguments name it, with the map of `--disparity` and the edit of `--recipe`.
+pub fn how(args: &SynthArgs, recipe: Option<&Path>) -> Result<How> {
+    let recipe = recipe.map(Recipe::read).transpose()?;
+    let own_map = args.disparity.as_deref().map(pfm::read_pfm).transpose()?;
+    let making = Making {
         long_side: args.long_side,
         occlusion: !args.lambertian,
         threads: args.threads.into(),
-        source,
-        scale: args.scale,
+        source: DepthFrom::named(&args.source),
+        scale: args.depth_scale,
         models: model_source(args.models.as_deref()),
         shelf: Shelf::user(),
         ..Making::default()
-    }
+    };
+    Ok(How::new(making, own_map.map(|map| GivenDepth::Disparity(Arc::new(map))), recipe))
 }
 
 /// Makes scenes, with the user's cache unless the arguments say otherwise.

@@ -19,22 +19,11 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use plenoscope::job::Job;
+use plenoscope::scene::asked::Usage;
 use plenoscope::synth::adopt::Shelf;
 use plenoscope::ui;
 
 use crate::cli::{Cli, Command, Window};
-
-/// Arguments that do not go together, found after parsing: exit code 2.
-#[derive(Debug)]
-pub struct Usage(pub String);
-
-impl std::fmt::Display for Usage {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Usage {}
 
 /// Does what was asked for.
 pub fn run(cli: Cli, job: Job) -> Result<()> {

@@ -10,7 +10,7 @@ use plenoscope::scene::models;
 use plenoscope::synth::adopt::{Adopted, Shelf, Shelved};
 use serde_json::json;
 
-use super::output::Output;
+use super::output::{output, picture};
 use crate::cli::{Models, ModelsCommand};
 
 /// Does what was asked for.
@@ -44,8 +44,8 @@ fn added(net: &Adopted) -> String {
 
 /// What the net says of the sample, in colours.
 fn write_depth(net: &Adopted, path: &Path) -> Result<()> {
-    let picture = cpu::depth_map(&net.depth.disparity(), Colormap::default());
-    Output { file: path, input: path, force: true }.picture(&picture, None, 8)
+    let seen = cpu::depth_map(&net.depth.disparity(), Colormap::default());
+    picture(&output(path, path, true), &seen, None, 8)
 }
 
 fn as_text(shelf: &Shelf) -> String {

@@ -13,7 +13,7 @@ use crate::io::formats::quilt;
 use crate::io::save::{self, Keep};
 
 pub use kinds::{Group, KINDS, Kind, Spec};
-pub use write::{FileExport, Written, write};
+pub use write::{FileExport, Written, write, write_picture};
 
 /// What happens when a file of that name exists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{Existing, Kind, Settings};
-use crate::field::DisparityMap;
+use crate::field::{DisparityMap, Pixels};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::depth_out::Seen;
 use crate::io::formats::{self, FieldToWrite, Writer, depth_out, ply, quilt, stereo};
@@ -74,7 +74,7 @@ impl FileExport<'_> {
 /// [`SceneError`]; then nothing has been written.
 pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
     match settings.kind {
-        Kind::Picture => picture(scene, edit, settings, target, job),
+        Kind::Picture => write_picture(scene, edit, settings, target, job).map(drop),
         Kind::FocalStack => series::focal_stack(scene, edit, settings.size(), settings.frames, target, job),
         Kind::Animation => {
             let options = AnimationOptions {
@@ -88,13 +88,23 @@ pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job
     }
 }
 
-/// The refocused picture, in the photo's own colours and with its metadata.
-fn picture(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
+/// Writes the refocused picture, in the photo's own colours and with its metadata, and says what stands in the file.
+///
+/// # Errors
+/// [`SceneError`]; then nothing has been written.
+pub fn write_picture(
+    scene: &Scene,
+    edit: &Edit,
+    settings: &Settings,
+    target: &Path,
+    job: &Job,
+) -> Result<Pixels, SceneError> {
     let options = picture_options(scene, settings);
     let format = save::check(target, &options)?;
     let pixels = scene.picture(edit, settings.size(), settings.picture.bits_in(format), job)?;
     job.advance(Stage::Save, 0, 1)?;
-    Ok(save::pixels(target, &pixels, &options)?)
+    save::pixels(target, &pixels, &options)?;
+    Ok(pixels)
 }
 
 /// How a picture is written; the target's ending says the format.
