@@ -15,7 +15,8 @@ use anyhow::{Context, Result, bail};
 const USAGE: &str = "usage: cargo xtask test [--all] [ARG…]   all tests, tract against ONNX Runtime and the Python package among them; --all
                                   also exports depth nets with PyTorch (gigabytes) and compares those, runs a
                                   job array on Slurm, and installs the .deb into bare Debian systems
-       cargo xtask python         the tests of the Python package alone
+       cargo xtask python [--all] the tests of the Python package alone; --all also executes its notebooks, opens a
+                                  light field in napari, and runs a recipe on a Ray cluster
        cargo xtask beyond         those two last ones alone
        cargo xtask package        what people install, for this system, into target/packages
        cargo xtask bench [ARG…]   plenoscope bench with ONNX Runtime beside it
@@ -30,7 +31,7 @@ fn main() -> ExitCode {
     let done = match task.as_str() {
         "test" => test(&rest),
         "bench" => bench(&rest),
-        "python" => python(),
+        "python" => python(rest.iter().any(|arg| arg == "--all")),
         "beyond" => beyond::all(&root()),
         "package" => package::make(&root()).map(|made| made.iter().for_each(|file| say(&file.display().to_string()))),
         "onnxruntime" => onnxruntime::library(&root()).map(|path| say(&path.display().to_string())),
@@ -55,7 +56,7 @@ fn test(args: &[String]) -> Result<()> {
         cargo.env("PLENOSCOPE_NETS", nets::folder(&root)?);
     }
     let tested = run(cargo.arg("--no-fail-fast").args(args));
-    let python = python::test(&root);
+    let python = python::test(&root, !all.is_empty());
     if !all.is_empty() {
         beyond::all(&root)?;
     }
@@ -80,10 +81,10 @@ fn cargo_test(root: &Path) -> Result<Command> {
 }
 
 /// The tests of the Python package, with what `cargo xtask test` builds.
-fn python() -> Result<()> {
+fn python(all: bool) -> Result<()> {
     let root = root();
     run(cargo_test(&root)?.arg("--no-run"))?;
-    python::test(&root)
+    python::test(&root, all)
 }
 
 /// Runs `plenoscope bench` with ONNX Runtime timed on the same files.
