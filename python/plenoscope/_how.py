@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         long_side: Optional[int]
         disparity: Optional[Map]
         source: Optional[str]
+        depth_scale: Optional[str]
         models: Optional[Path]
         threads: Optional[int]
         lambertian: bool
@@ -40,6 +41,7 @@ def how(
     long_side: Optional[int] = None,
     disparity: Optional[Map] = None,
     source: Optional[str] = None,
+    depth_scale: Optional[str] = None,
     models: Optional[Path] = None,
     threads: Optional[int] = None,
     lambertian: bool = False,
@@ -54,6 +56,7 @@ def how(
         view step at its own width.
     source: where ray depth comes from: "auto" (the phone's depth, else the net that the person prefers, else our own),
         "network", "phone", "fused", or the name of a depth net.
+    depth_scale: how far ray depths of a net reach, "deep" (the default) or "lytro".
     models: takes the nets from this folder.
     threads: that compute; 0 is one for each core.
     lambertian: leaves the occlusion net out.

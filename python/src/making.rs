@@ -8,9 +8,9 @@ use plenoscope::io::formats::depth_map::GivenDepth;
 use plenoscope::io::formats::pfm;
 use plenoscope::scene::asked::{How, LONG_SIDES, THREADS, Usage, within};
 use plenoscope::scene::{DepthFrom, Maker, Making};
-use plenoscope::synth::ModelSource;
 use plenoscope::synth::adopt::Shelf;
 use plenoscope::synth::cache::Cache;
+use plenoscope::synth::{ModelSource, Scale};
 use pyo3::prelude::*;
 
 use crate::errors::{raised, wrong_type};
@@ -49,10 +49,15 @@ pub fn how(py: Python<'_>, options: &Options) -> PyResult<How> {
         occlusion: !options.is_on("lambertian")?,
         threads: options.checked("threads", whole, |n| within(n, &THREADS))?.unwrap_or_default().into(),
         source: source.map_or(DepthFrom::Auto, |name| DepthFrom::named(&name)),
+        scale: options.checked("depth_scale", "a name", scale)?.unwrap_or(usual.scale),
         models,
         ..usual
     };
     Ok(How::new(making, own_map, recipe::asked(py, options)?))
+}
+
+fn scale(name: String) -> Result<Scale, Usage> {
+    name.parse::<Scale>().map_err(|none| Usage(none.to_string()))
 }
 
 /// A map of one's own: a PFM file, or an array `[y, x]` of pixels per view step at its own width.

@@ -24,6 +24,7 @@ SAMPLE = plenoscope.sample()
         ({"grain": 2}, "grain: a number from 0 to 1 is wanted"),
         ({"bits": 12}, "bits: 8 or 16 is wanted"),
         ({"quality": 0}, "quality: 0 is not in 1..=100"),
+        ({"depth_scale": "long"}, "depth_scale: \"long\" is no scale of depth"),
         ({"long_side": 8}, "long_side: 8 is not in 16..=4096"),
         ({"size": (0, 5)}, "size: photo or light-field"),
         ({"size": "large"}, "size: photo or light-field"),

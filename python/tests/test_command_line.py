@@ -73,6 +73,12 @@ def test_depth(inputs, command, tmp_path, name, view):
     assert numpy.array_equal(plenoscope.depth(inputs / name, view=view, long_side=SIDE), pfm(tmp_path / "depth.pfm"))
 
 
+def test_the_scale_of_a_camera(inputs, command, tmp_path):
+    command("depth", inputs / "photo.png", "-o", tmp_path / "depth.pfm", "--depth-scale", "lytro", *small())
+    ours = plenoscope.depth(inputs / "photo.png", depth_scale="lytro", long_side=SIDE)
+    assert numpy.array_equal(ours, pfm(tmp_path / "depth.pfm"))
+
+
 def test_a_map_of_ones_own(inputs, command, tmp_path):
     own = inputs / "sample.pfm"
     command("refocus", inputs / "sample.png", "-o", tmp_path / "theirs.png", "--disparity", own, "--size", "300x200")
