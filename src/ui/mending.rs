@@ -35,7 +35,7 @@ impl Tool {
         (Self::Brush(Brush::Nearer), "Nearer"),
         (Self::Brush(Brush::Farther), "Farther"),
         (Self::Brush(Brush::Smooth), "Smooth"),
-        (Self::Brush(Brush::Sharpen), "Sharpen"),
+        (Self::Brush(Brush::Sharpen), "Edge"),
     ];
 }
 
@@ -321,7 +321,7 @@ fn kit(scene: &Scene) -> Result<Mender, SceneError> {
     Ok(Mender::new(&map, Guide::new(reference, reference.size())))
 }
 
-/// A thing's pixels in amber, its rim clearer.
+/// A thing's pixels, its rim clearer.
 fn tinted(mender: &Mender, region: &Region) -> ColorImage {
     let mask = mender.region(region);
     let [inside, rim] = [0.22, 0.95].map(|alpha| theme::PEAK.gamma_multiply(alpha));

@@ -1,6 +1,6 @@
 //! Inspector section of the repair tool: what the hand does, what is done to the chosen thing, and what was done.
 
-use egui::{Align, Layout, RichText, ScrollArea, Ui};
+use egui::{Align, Button, Layout, RichText, ScrollArea, Ui, vec2};
 
 use crate::repair::{Entry, Operation, Repair, Repairs};
 use crate::scene::Making;
@@ -10,7 +10,9 @@ use crate::ui::mending::{Mending, Tool};
 use crate::ui::theme::{self, GRID};
 use crate::ui::widgets::{self, Number};
 
-/// Rows of the list before it scrolls.
+/// Buttons side by side.
+const ROW: usize = 3;
+/// Points of the list before it scrolls.
 const LIST_HEIGHT: f32 = 120.0;
 
 /// Draws the section, while the tool is held or something was mended.
@@ -115,14 +117,16 @@ fn operations(mending: &Mending, ui: &mut Ui) -> Vec<Action> {
     ];
     let mut actions = Vec::new();
     let has_thing = mending.chosen().is_some();
-    ui.horizontal_wrapped(|ui| {
-        for (what, label, hint) in all {
-            let button = ui.add_enabled_ui(has_thing, |ui| widgets::button(ui, label).on_hover_text(hint)).inner;
-            if button.clicked() {
-                actions.extend(mending.repair(what).map(Action::Repair));
+    for row in all.chunks(ROW) {
+        ui.horizontal(|ui| {
+            for (what, label, hint) in row {
+                let button = Button::new(*label).min_size(vec2(0.0, 26.0));
+                if ui.add_enabled(has_thing, button).on_hover_text(*hint).clicked() {
+                    actions.extend(mending.repair(*what).map(Action::Repair));
+                }
             }
-        }
-    });
+        });
+    }
     if !has_thing {
         let weak = theme::palette(ui.ctx()).weak;
         let text = match mending.tool {
