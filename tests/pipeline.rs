@@ -140,7 +140,7 @@ fn the_scale_of_a_lytro_is_for_what_only_orders() {
     for (params, changes) in [(SynthParams::default(), true), (order, true), (metres, false), (given, false)] {
         let map = |scale| {
             let params = SynthParams { scale, ..params.clone() };
-            synthesizer.depth_map(&photo(60, 40), &params, Some(&cache), &job).unwrap()
+            synthesizer.depth_map(&photo(60, 40), &params, Some(&cache), &job).unwrap().0
         };
         let [deep, lytro] = [Scale::Deep, Scale::Lytro].map(map);
         let spread = |map: &DisparityMap| map.range_px()[1] - map.range_px()[0];

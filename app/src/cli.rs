@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use plenoscope::field::{FNumber, LensShape};
+use plenoscope::field::{FNumber, LensShape, Strength};
 use plenoscope::render::cpu::Colormap;
 use plenoscope::scene::export::{Kind, Settings};
+use plenoscope::scene::real::KnownLens;
 use plenoscope::scene::{Making, Movement, OutputSize, asked, trust};
 use plenoscope::shard::Shard;
 use plenoscope::synth::Scale;
 
-use crate::values::{self, Pair, Range, Size};
+use crate::values::{self, KeepSharp, Pair, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
 #[derive(Debug, Parser)]
@@ -81,6 +82,8 @@ pub enum Command {
     Info(Info),
     /// Depth nets of other people: add, list, remove, use
     Models(Models),
+    /// The lenses that --as-lens knows
+    Lenses(Lenses),
     /// Write the built-in sample photo and its disparity
     Sample(Sample),
     /// Print the completions for a shell
@@ -156,6 +159,14 @@ pub enum ModelsCommand {
     },
 }
 
+/// Arguments of `lenses`.
+#[derive(Debug, Args)]
+pub struct Lenses {
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Arguments of `sample`.
 #[derive(Debug, Args)]
 pub struct Sample {
@@ -187,6 +198,10 @@ pub struct SynthArgs {
     /// Threads that compute; 0 is one for each core
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = values::whole(asked::THREADS))]
     pub threads: u16,
+    /// How deep the scene is, 0.2 to 4: the light field's baseline against that of a real camera; by default 1, or what
+    /// the recipe says
+    #[arg(long, value_name = "S", value_parser = values::strength)]
+    pub strength: Option<Strength>,
     /// Leave the occlusion net out
     #[arg(long)]
     pub lambertian: bool,
@@ -231,6 +246,12 @@ pub struct Refocus {
     /// Leave EXIF and XMP out; the colour profile stays
     #[arg(long)]
     pub strip_metadata: bool,
+    /// Print the lens as a JSON object: what real lens it is, what is in focus and sharp in metres, how wide the blur is
+    #[arg(long)]
+    pub json: bool,
+    /// The sensor that the lens is read on
+    #[arg(long, value_name = "FORMAT", default_value = "full-frame", value_parser = values::sensors())]
+    pub sensor: usize,
     #[command(flatten)]
     pub synth: SynthArgs,
     /// Write even over the input
@@ -254,15 +275,35 @@ pub struct LensArgs {
     /// Shape of the opening: disc, square, blades:5 … blades:9, ring or cat-eye; by default disc
     #[arg(long, value_name = "SHAPE", value_parser = asked::lens_shape)]
     pub lens: Option<LensShape>,
-    /// Disparities that stay sharp, from far to near
-    #[arg(long, value_name = "D0..D1", allow_hyphen_values = true)]
-    pub keep_sharp: Option<Range>,
+    /// Disparities that stay sharp, from far to near; or up to three pixels of the upright photo: the focal plane goes
+    /// through them, and the lens opens as wide as it may, where no --f-number is given
+    #[arg(long, value_name = "D0..D1|X,Y", allow_hyphen_values = true)]
+    pub keep_sharp: Vec<KeepSharp>,
     /// By how much the sharp disparity grows from left to right and from top to bottom
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pub tilt: Option<Pair>,
+    /// How far away what is in focus is, such as 0.6m or 60cm: with it the lens reads in metres (see --json)
+    #[arg(long, value_name = "DISTANCE", value_parser = values::distance)]
+    pub distance: Option<f32>,
+    /// Open as wide as this lens does, at --f-number of its own: one of the lenses that `plenoscope lenses` lists, or a
+    /// TOML file
+    #[arg(long, value_name = "LENS", value_parser = values::known_lens, conflicts_with = "lens")]
+    pub as_lens: Option<KnownLens>,
     /// How much clipped lights are brightened before they are blurred, 0 to 1; by default 0
     #[arg(long, value_name = "N", value_parser = values::share)]
     pub highlights: Option<f32>,
+    /// Discs taller than wide, as of an anamorphic lens: 0 round to 1 twice as tall
+    #[arg(long, value_name = "N", value_parser = values::share)]
+    pub anamorphic: Option<f32>,
+    /// Spherical aberration: discs behind the focus have a bright rim (to 1) or a bright middle (to -1)
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = values::signed_share)]
+    pub spherical: Option<f32>,
+    /// Longitudinal colour, 0 to 1: rims green behind the focus, magenta before it
+    #[arg(long, value_name = "N", value_parser = values::share)]
+    pub fringes: Option<f32>,
+    /// Swirl, 0 to 1: discs that the barrel cuts towards the corners, and a curved sharp surface
+    #[arg(long, value_name = "N", value_parser = values::share)]
+    pub swirl: Option<f32>,
     /// How much of the photo's grain is put back into blurred parts, 0 to 1; by default 0
     #[arg(long, value_name = "N", value_parser = values::share)]
     pub grain: Option<f32>,

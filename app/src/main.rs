@@ -28,7 +28,7 @@ const USAGE: u8 = 2;
 static BLOCKS: LargeBlocks = LargeBlocks::keeping(384 << 20);
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = Cli::parse_from(values::spread(std::env::args_os()));
     log_to_stderr(&cli.talk);
     let cancel = Cancel::default();
     let bar = Bar::new(cli.talk.quiet);

@@ -1,13 +1,16 @@
 //! Values of arguments that are more than a number: places, ranges, sizes, lens shapes.
 
+use std::ffi::OsString;
 use std::ops::RangeInclusive;
+use std::path::Path;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
-use plenoscope::field::{FNumber, ViewOffset};
+use plenoscope::field::{FNumber, Strength, ViewOffset};
 use plenoscope::scene::Movement;
 use plenoscope::scene::asked::{self, Usage};
 use plenoscope::scene::export::{KINDS, Kind, Settings};
+use plenoscope::scene::real::{DISTANCES_M, FORMATS, KnownLens, known_lenses};
 
 /// Two numbers with a comma between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +56,70 @@ impl FromStr for Range {
     }
 }
 
+/// What is to stay sharp: a band of disparities, or a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KeepSharp {
+    /// Disparities around the focal plane.
+    Band(Range),
+    /// A pixel of the upright photo, one of up to three.
+    At(Pair),
+}
+
+impl FromStr for KeepSharp {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains("..") {
+            return text.parse().map(Self::Band);
+        }
+        let wanted = "disparities like -0.2..0.4 or one to three pixels like 120,80 300,200 are wanted";
+        text.parse().map(Self::At).map_err(|_no_pixel| wanted.to_owned())
+    }
+}
+
+/// `--keep-sharp A B C` as three times `--keep-sharp`: an option that takes several values would swallow what follows it.
+pub fn spread(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    const NAME: &str = "--keep-sharp";
+    let mut spread: Vec<OsString> = Vec::new();
+    // How many values of the option stand before.
+    let mut values = None;
+    for arg in args {
+        let is_pixel = arg.to_str().is_some_and(|text| text.parse::<Pair>().is_ok());
+        values = match values {
+            _ if arg == NAME => Some(0),
+            Some(0) => Some(1),
+            Some(n) if is_pixel => {
+                spread.push(NAME.into());
+                Some(n + 1)
+            }
+            _ => None,
+        };
+        spread.push(arg);
+    }
+    spread
+}
+
+/// A lens by the name that `lenses` lists, or a TOML file.
+pub fn known_lens(text: &str) -> Result<KnownLens, String> {
+    if Path::new(text).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return KnownLens::read(Path::new(text)).map_err(|error| error.to_string());
+    }
+    let (lenses, _) = known_lenses();
+    let names: Vec<String> = lenses.iter().map(KnownLens::id).collect();
+    let found = lenses.into_iter().find(|lens| lens.id() == text.to_lowercase());
+    found.ok_or_else(|| format!("there is no such lens — name one of {}, or a TOML file", names.join(", ")))
+}
+
+/// A distance in metres: 0.6m, 60cm, 600mm.
+pub fn distance(text: &str) -> Result<f32, String> {
+    let units = [("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("m", 1.0), ("", 1.0)];
+    let (digits, unit) = units.iter().find_map(|(name, m)| Some((text.strip_suffix(name)?, *m))).unwrap_or((text, 1.0));
+    let metres = number(digits.trim())? * unit;
+    let [least, most] = DISTANCES_M;
+    let is_one = (least..=most).contains(&metres);
+    is_one.then_some(metres).ok_or_else(|| "a distance from 1cm to 10km is wanted, like 0.6m".to_owned())
+}
+
 /// `WxH`, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size(pub [u32; 2]);
@@ -70,6 +137,18 @@ pub fn f_number(text: &str) -> Result<FNumber, Usage> {
     asked::f_number(number(text.trim_start_matches("f/")).map_err(Usage)?)
 }
 
+/// A share from -1 to 1.
+pub fn signed_share(text: &str) -> Result<f32, String> {
+    let n = number(text)?;
+    (-1.0..=1.0).contains(&n).then_some(n).ok_or_else(|| "a number from -1 to 1 is wanted".to_owned())
+}
+
+/// A strength from 0.2 to 4.
+pub fn strength(text: &str) -> Result<Strength, String> {
+    let strength = Strength(number(text.trim_end_matches(['x', '×']))?);
+    strength.is_valid().then_some(strength).ok_or_else(|| "a strength from 0.2 to 4 is wanted".to_owned())
+}
+
 /// What can be written, as `--as` names it.
 pub fn kinds() -> impl TypedValueParser<Value = Kind> {
     named(KINDS.iter().map(|spec| (spec.id, spec.hint, spec.kind)).collect())
@@ -83,6 +162,11 @@ pub fn field_formats() -> impl TypedValueParser<Value = Kind> {
 /// What moves in an animation.
 pub fn movements() -> impl TypedValueParser<Value = Movement> {
     named(Movement::ALL.iter().map(|(movement, id, _, hint)| (*id, *hint, *movement)).collect())
+}
+
+/// Sensors, by the place of their format.
+pub fn sensors() -> impl TypedValueParser<Value = usize> {
+    named(FORMATS.iter().enumerate().map(|(at, format)| (format.id, format.name, at)).collect())
 }
 
 /// Frames of a stack or an animation.
@@ -142,6 +226,28 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_kept_sharp_may_stand_together() {
+        let spread = |text: &str| {
+            let all = spread(text.split(' ').map(OsString::from));
+            all.iter().map(|arg| arg.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(spread("p refocus --keep-sharp 1,2 3,4 a.jpg"), "p refocus --keep-sharp 1,2 --keep-sharp 3,4 a.jpg");
+        for same in
+            ["p --keep-sharp -0.2..0.3 a.jpg", "p --at 1,2 3,4", "p --keep-sharp 1,2 --at 3,4", "p --keep-sharp"]
+        {
+            assert_eq!(spread(same), same);
+        }
+    }
+
+    #[test]
+    fn distances_have_units() {
+        for (text, metres) in [("0.6m", 0.6), ("60cm", 0.6), ("600 mm", 0.6), ("2", 2.0), ("1.5km", 1500.0)] {
+            assert!((distance(text).unwrap() - metres).abs() < 1e-4 * metres, "{text}");
+        }
+        assert!(["0", "-1m", "nanm", "m", "20km", "6 feet"].iter().all(|text| distance(text).is_err()));
+    }
 
     #[test]
     fn negative_numbers_are_numbers() {

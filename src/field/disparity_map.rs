@@ -1,6 +1,6 @@
 //! Disparity of one picture, and depth that only orders.
 
-use super::{FieldError, Filter, Raster, Size, check_finite, nearest, resample};
+use super::{FieldError, Filter, Raster, Size, Strength, check_finite, nearest, resample};
 
 /// Disparity of one picture's pixels, in pixels per view step at the map's own width. Larger is nearer; every value is
 /// a number.
@@ -60,6 +60,12 @@ impl DisparityMap {
             false => resample::<1>(self.disparity_px(), from, size, Filter::Linear),
         };
         Self::new(size, values.into_iter().map(|d| d * scale).collect())
+    }
+
+    /// The map of the same scene seen with another baseline.
+    #[must_use]
+    pub fn at_strength(&self, strength: Strength) -> Self {
+        Self(self.0.clone().map(|d| (d * strength.0).clamp(f32::MIN, f32::MAX)))
     }
 
     /// What this map's disparities are multiplied by in a picture of another size.

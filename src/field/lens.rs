@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::ViewOffset;
+use super::{Glass, ViewOffset};
 
 /// An aperture as photographers write it; the paper's are f/28, f/14, f/7 and f/3.5.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
@@ -24,6 +24,11 @@ impl FNumber {
     /// Diameter of the blur that is added to the photo, in view steps: `√(n² − 1)`, as the photo has f/28 already.
     pub fn added_views(self) -> f32 {
         (self.views_across().powi(2) - 1.0).max(0.0).sqrt()
+    }
+
+    /// The aperture that adds so many view steps of blur; the inverse of [`added_views`](Self::added_views).
+    pub fn adding(views: f32) -> Self {
+        Self((Self::PHOTO.0 / (views * views + 1.0).sqrt()).clamp(Self::WIDEST.0, Self::PHOTO.0))
     }
 }
 
@@ -106,6 +111,15 @@ pub struct Lens {
     pub highlights: f32,
     /// How much of the photo's grain is put back into blurred parts: 0 none … 1.
     pub grain: f32,
+    /// Its faults.
+    #[serde(skip_serializing_if = "Glass::is_plain")]
+    pub glass: Glass,
+    /// By how much the sharp surface is nearer in the corners, in pixels per view step.
+    #[serde(skip)]
+    pub curve_px: f32,
+    /// By how much red and blue are sharp farther away than green, in pixels per view step.
+    #[serde(skip)]
+    pub fringes_px: f32,
 }
 
 impl Lens {
@@ -115,12 +129,22 @@ impl Lens {
         self.focus.disparity_px *= ratio;
         self.focus.tilt_px = self.focus.tilt_px.map(|px| px * ratio);
         self.keep_sharp_px = self.keep_sharp_px.map(|px| px * ratio);
+        self.curve_px *= ratio;
+        self.fringes_px *= ratio;
         self
+    }
+
+    /// The lens for red and blue, where that is another than for green.
+    pub fn magenta(mut self) -> Option<Self> {
+        self.focus.disparity_px -= self.fringes_px;
+        (self.fringes_px != 0.0).then_some(self)
     }
 
     /// Signed distance of a disparity from what is sharp at a place (x, y from 0 to 1), in pixels per view step.
     pub fn defocus_px(&self, disparity_px: f32, x: f32, y: f32) -> f32 {
-        let away = disparity_px - self.focus.at(x, y);
+        // Half is the corners' distance from the middle, squared.
+        let corner = ((x - 0.5).powi(2) + (y - 0.5).powi(2)) / 0.5;
+        let away = disparity_px - self.focus.at(x, y) - self.curve_px * corner;
         away - away.clamp(self.keep_sharp_px[0].min(0.0), self.keep_sharp_px[1].max(0.0))
     }
 }
@@ -139,6 +163,9 @@ mod tests {
         assert_eq!(FNumber::PHOTO.added_views(), 0.0);
         assert_eq!(FNumber::PAPER_WIDEST.views_across(), 8.0);
         assert!((FNumber::PAPER_WIDEST.added_views() - 7.937).abs() < 1e-3);
+        for n in [28.0, 14.0, 3.5, 1.0] {
+            assert!((FNumber::adding(FNumber(n).added_views()).0 - n).abs() < 1e-3);
+        }
     }
 
     #[test]

@@ -13,11 +13,16 @@
 //!   `x_src = (x + ½)·W_src / W_dst − ½`, the same for y. Outside the picture the edge pixel goes on (clamp).
 //! * **Scale.** A disparity belongs to a width. Brought from a picture of width `w` to one of width `W` it is
 //!   multiplied by `W / w`.
+//! * **Strength.** At strength `s` the cameras of the views stand `s` times as far apart: what was seen from `s·u` is seen
+//!   from `u`, so every disparity is `s·D`, about the plane of disparity 0. A focal plane, its tilt and the band that is kept
+//!   sharp are disparities too: what was in focus stays in focus, and a blur is `s` times as wide. Recipes and typed numbers
+//!   are those of strength 1; maps, views and what the window shows are those of the strength in use (`scene`).
 //! * **Depth.** What only orders, or is in metres, becomes disparity in one place, `synth::range`.
 //! * **Light.** Stored pixels are sRGB-encoded; wherever light is summed it is linear.
 
 pub mod color;
 mod disparity_map;
+mod glass;
 mod grid;
 mod lens;
 mod light_field;
@@ -28,11 +33,13 @@ mod raster;
 mod ray_depths;
 mod resample;
 mod size;
+mod strength;
 mod tap;
 mod transfer;
 mod view;
 
 pub use disparity_map::{DisparityMap, RelativeDepth, disparity_scale};
+pub use glass::Glass;
 pub use grid::{ViewGrid, ViewIndex, ViewOffset};
 pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
@@ -44,6 +51,7 @@ pub use ray_depths::RayDepths;
 pub use resample::{Filter, nearest, resample};
 pub(crate) use resample::{Taps, resample_rows};
 pub use size::{Size, fit_long_side, pixels, sides, size_from};
+pub use strength::Strength;
 pub use tap::{Mix, between, bilinear, corners, ramp};
 pub use transfer::Transfer;
 pub use view::View;

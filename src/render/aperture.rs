@@ -28,7 +28,10 @@ pub fn taps(lens: &Lens, grid: ViewGrid, center: ViewPoint, arrived: impl Fn(Vie
     let eye = grid.clamp(center.0).to_vec2();
     let weights = match lens.shape {
         LensShape::Square => square_weights(lens, grid, eye),
-        shape => opening_weights(shape, lens.f_number.added_views() / 2.0, grid, eye),
+        shape => {
+            let radius = lens.f_number.added_views() / 2.0;
+            opening_weights(shape, Vec2::new(radius * lens.glass.narrow(), radius), grid, eye)
+        }
     };
     let mut taps: Vec<Tap> = grid
         .views()
@@ -74,9 +77,9 @@ fn square_weights(lens: &Lens, grid: ViewGrid, eye: Vec2) -> Vec<f32> {
 }
 
 /// Shares of any other opening, by points spread evenly over it.
-fn opening_weights(shape: LensShape, radius: f32, grid: ViewGrid, eye: Vec2) -> Vec<f32> {
+fn opening_weights(shape: LensShape, radius: Vec2, grid: ViewGrid, eye: Vec2) -> Vec<f32> {
     let mut weights = vec![0.0; grid.count()];
-    let side = if radius > 0.0 { SAMPLES_PER_AXIS } else { 1 };
+    let side = if radius.y > 0.0 { SAMPLES_PER_AXIS } else { 1 };
     for j in 0..side {
         for i in 0..side {
             let place = (Vec2::new(i as f32, j as f32) + 0.5) * (2.0 / side as f32) - 1.0;

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::focus;
-use crate::field::{DisparityMap, FNumber, FocalPlane, Lens, LensShape, ViewPoint};
+use super::real::Distance;
+use super::sharp::{self, Places};
+use crate::field::{DisparityMap, FNumber, FocalPlane, Glass, Lens, LensShape, Strength, ViewPoint};
 
 /// Where it is sharp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -14,6 +16,8 @@ pub enum Focus {
     Subject,
     /// On what is seen at a place, x and y from 0 to 1.
     At([f32; 2]),
+    /// On all of up to three places, by a plane through them or a band around them.
+    Through(Places),
     /// At a disparity in the middle of the picture, as a share of its width per view step.
     Disparity(f32),
 }
@@ -21,12 +25,15 @@ pub enum Focus {
 /// Everything that is done to a picture.
 ///
 /// Disparities are shares of the picture's width per view step: the same edit is the same picture, however wide the
-/// views are that its depth was made for. [`Edit::lens`] brings them to the pixels of a map.
+/// views are that its depth was made for. They are those of strength 1: who turns the strength keeps the same things in
+/// focus. [`Edit::lens`] brings them to the pixels of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Edit {
     /// How wide open.
     pub f_number: FNumber,
+    /// How deep the scene is.
+    pub strength: Strength,
     /// The shape of the opening.
     pub shape: LensShape,
     /// Where it is sharp.
@@ -39,36 +46,48 @@ pub struct Edit {
     pub highlights: f32,
     /// How much of the photo's grain is put back into blurred parts, 0 … 1.
     pub grain: f32,
+    /// The faults of the lens.
+    pub glass: Glass,
+    /// A distance that the person knows, where metres are read off the lens.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distance: Option<Distance>,
     /// Where the lens stands, in steps from the reference view.
     #[serde(skip)]
     pub viewpoint: ViewPoint,
 }
 
 impl Edit {
-    /// The lens for a map: disparities in pixels of its width, the focal plane through what is to be sharp.
-    pub fn lens(&self, map: &DisparityMap) -> Lens {
-        let width = map.size()[0] as f32;
+    /// The lens for a map of a strength, which may be another than the edit's while that is being made: disparities in
+    /// pixels of its width, the focal plane through what is to be sharp.
+    pub fn lens(&self, map: &DisparityMap, strength: Strength) -> Lens {
+        let width = map.size()[0] as f32 * strength.0;
         let tilted = FocalPlane { disparity_px: 0.0, tilt_px: self.tilt.map(|share| share * width) };
         let through = |place: [f32; 2]| focus::disparity_at(map, place) - tilted.at(place[0], place[1]);
-        let disparity_px = match self.focus {
-            Focus::Subject => through(focus::subject(map)),
-            Focus::At(place) => through(place),
-            Focus::Disparity(share) => share * width,
+        let keep_px = self.keep_sharp.map(|share| share * width);
+        let at = |disparity_px: f32| (FocalPlane { disparity_px, ..tilted }, keep_px);
+        let (focus, keep_sharp_px) = match self.focus {
+            Focus::Subject => at(through(focus::subject(map))),
+            Focus::At(place) => at(through(place)),
+            Focus::Disparity(share) => at(share * width),
+            Focus::Through(places) => match places.all() {
+                [place] => at(through(*place)),
+                _ => {
+                    let solved = sharp::solve(map, &places, strength.0);
+                    let [far, near] = solved.keep_px;
+                    (solved.plane, [keep_px[0].min(far), keep_px[1].max(near)])
+                }
+            },
         };
-        Lens {
-            f_number: self.f_number,
-            shape: self.shape,
-            focus: FocalPlane { disparity_px, ..tilted },
-            keep_sharp_px: self.keep_sharp.map(|share| share * width),
-            highlights: self.highlights,
-            grain: self.grain,
-        }
+        let Self { f_number, shape, highlights, grain, glass, .. } = *self;
+        let (curve_px, fringes_px) = (glass.curve_px(width), glass.fringes_px(width));
+        Lens { f_number, shape, focus, keep_sharp_px, highlights, grain, glass, curve_px, fringes_px }
     }
 
-    /// The same edit with the disparities of a lens, which are in pixels of `width`; the place in focus is given up.
+    /// The same edit with the disparities of a lens, which are in pixels of `width` and of a strength; the place in focus is
+    /// given up.
     #[must_use]
-    pub fn with_lens(self, lens: &Lens, width: u32) -> Self {
-        let share = |px: f32| px / width as f32;
+    pub fn with_lens(self, lens: &Lens, width: u32, strength: Strength) -> Self {
+        let share = |px: f32| px / (width as f32 * strength.0);
         Self {
             f_number: lens.f_number,
             shape: lens.shape,
@@ -77,6 +96,7 @@ impl Edit {
             keep_sharp: lens.keep_sharp_px.map(share),
             highlights: lens.highlights,
             grain: lens.grain,
+            glass: lens.glass,
             ..self
         }
     }
@@ -84,8 +104,8 @@ impl Edit {
     /// The edit for a photo that was never edited: lens and look of the last one, none of what belongs to its depth.
     #[must_use]
     pub fn for_new_photo(self) -> Self {
-        let (f_number, shape, highlights, grain) = (self.f_number, self.shape, self.highlights, self.grain);
-        Self { f_number, shape, highlights, grain, ..Self::default() }
+        let Self { f_number, shape, highlights, grain, glass, .. } = self;
+        Self { f_number, shape, highlights, grain, glass, ..Self::default() }
     }
 
     /// Whether the picture is what the reference view shows: closed down, and seen from where the photo was taken.
@@ -111,7 +131,7 @@ mod tests {
         let edit =
             Edit { focus: Focus::At([0.75, 0.3]), tilt: [1e-3, -5e-4], keep_sharp: [-2e-4, 3e-4], ..Edit::default() };
         let share = |edit: &Edit, width: u32| {
-            let lens = edit.lens(&ramp(width));
+            let lens = edit.lens(&ramp(width), Strength::AS_MADE);
             let all = [lens.focus.disparity_px, lens.focus.tilt_px[0], lens.keep_sharp_px[1]];
             all.map(|px| px / width as f32)
         };
@@ -124,7 +144,7 @@ mod tests {
     #[test]
     fn a_tilted_plane_goes_through_the_place_in_focus() {
         let edit = Edit { focus: Focus::At([0.25, 0.5]), tilt: [2e-3, 0.0], ..Edit::default() };
-        let lens = edit.lens(&ramp(540));
+        let lens = edit.lens(&ramp(540), Strength::AS_MADE);
         assert!((lens.focus.at(0.25, 0.5) + 0.5).abs() < 0.01, "{:?}", lens.focus);
     }
 
@@ -132,6 +152,23 @@ mod tests {
     fn a_lens_comes_back_as_it_was() {
         let map = ramp(270);
         let edit = Edit { focus: Focus::Disparity(1e-3), tilt: [1e-3, 0.0], grain: 0.5, ..Edit::default() };
-        assert_eq!(Edit::default().with_lens(&edit.lens(&map), 270), edit);
+        assert_eq!(Edit::default().with_lens(&edit.lens(&map, Strength(1.0)), 270, Strength(1.0)), edit);
+        // Halves and doubles are exact.
+        let strong = Strength(2.0);
+        assert_eq!(Edit::default().with_lens(&edit.lens(&map.at_strength(strong), strong), 270, strong), edit);
+    }
+
+    #[test]
+    fn at_another_strength_the_same_things_are_sharp() {
+        let (map, strong) = (ramp(540), Strength(2.0));
+        let at = Edit { focus: Focus::At([0.25, 0.5]), tilt: [1e-3, 0.0], keep_sharp: [-2e-4, 0.0], ..Edit::default() };
+        for edit in [at, Edit { focus: Focus::Disparity(4e-4), ..at }, Edit { focus: Focus::Subject, ..at }] {
+            let (plain, deep) = (edit.lens(&map, Strength::AS_MADE), edit.lens(&map.at_strength(strong), strong));
+            for x in [0.0, 0.3, 0.9] {
+                let d = 2.0 * x - 1.0;
+                let [plain, deep] = [plain.defocus_px(d, x, 0.5), deep.defocus_px(2.0 * d, x, 0.5)];
+                assert!((deep - 2.0 * plain).abs() < 1e-5, "{edit:?} at {x}: {plain} and {deep}");
+            }
+        }
     }
 }

@@ -29,6 +29,17 @@ pub fn median_at([w, h]: [u32; 2], place: [f32; 2], at: impl Fn(u32, u32) -> f32
     values[values.len() / 2]
 }
 
+/// Part of a scene that may lie beyond either end.
+const TAIL: f32 = 0.02;
+
+/// Disparities between which almost all of a map lies, far and near.
+pub fn ends(map: &DisparityMap) -> [f32; 2] {
+    let mut all: Vec<f32> = samples(map).iter().map(|sample| sample.disparity_px).collect();
+    all.sort_by(f32::total_cmp);
+    let at = |share: f32| all[((all.len() - 1) as f32 * share).round() as usize];
+    [at(TAIL), at(1.0 - TAIL)]
+}
+
 /// Pixels that are looked at in each direction.
 const SAMPLES: u32 = 96;
 /// Standard deviation of the weight around the picture's middle, as a share of its sides.

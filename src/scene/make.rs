@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::picture::{MadeBy, MadeViews, Scene};
 use super::{Content, DepthFrom, OnePhoto, Recipe, Recorded, SceneError, Subject};
 use crate::errors::sentence;
-use crate::field::{DisparityMap, RelativeDepth, fit_long_side};
+use crate::field::{DisparityMap, RelativeDepth, Strength, fit_long_side};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::{EmbeddedDepth, exif};
 use crate::job::Job;
@@ -42,6 +42,8 @@ pub struct Making {
     pub shelf: Option<Shelf>,
     /// What was mended of its depth.
     pub repairs: Repairs,
+    /// How deep the scene is made, where that is asked for apart from a recipe.
+    pub strength: Option<Strength>,
 }
 
 impl Making {
@@ -56,14 +58,16 @@ impl Making {
         }
     }
 
-    /// The same with the source of depth that a recipe names, where no other was asked for, and with its repairs.
+    /// The same with the strength and the source of depth that a recipe names, where no others were asked for, and with its
+    /// repairs.
     #[must_use]
     pub fn with_recipe(&self, recipe: &Recipe) -> Self {
-        let how = Self { repairs: recipe.repairs.clone(), ..self.clone() };
-        match (&self.source, &recipe.depth) {
-            (DepthFrom::Auto, Some(source)) => Self { source: source.clone(), ..how },
-            _ => how,
-        }
+        let strength = self.strength.or(Some(recipe.strength()));
+        let source = match (&self.source, &recipe.depth) {
+            (DepthFrom::Auto, Some(source)) => source.clone(),
+            (source, _) => source.clone(),
+        };
+        Self { source, strength, repairs: recipe.repairs.clone(), ..self.clone() }
     }
 
     /// The source that [`DepthFrom::Auto`] is for a photo: measured depth before a chosen net before our own.
@@ -74,9 +78,17 @@ impl Making {
 
 impl Default for Making {
     fn default() -> Self {
-        let (source, models, repairs) = (DepthFrom::default(), ModelSource::default(), Repairs::default());
-        let (occlusion, threads, scale) = (true, 0, Scale::default());
-        Self { long_side: Self::LONG_SIDE, occlusion, threads, source, scale, models, shelf: None, repairs }
+        Self {
+            long_side: Self::LONG_SIDE,
+            occlusion: true,
+            threads: 0,
+            source: DepthFrom::default(),
+            scale: Scale::default(),
+            models: ModelSource::default(),
+            shelf: None,
+            repairs: Repairs::default(),
+            strength: None,
+        }
     }
 }
 
@@ -111,12 +123,20 @@ impl Maker {
     /// [`SceneError`]. A photo with a depth of its own becomes a scene even where the nets cannot be loaded.
     pub fn scene(&self, subject: &Arc<Subject>, how: &Making, need: Need, job: &Job) -> Result<Scene, SceneError> {
         let started = Instant::now();
+        let wanted = how.strength.unwrap_or_default();
+        let strength = subject.strength(wanted);
+        if strength < wanted.clamped() {
+            job.sink.warning(RECORDED.to_owned());
+        }
+        // Views of another strength are made of the map.
+        let first = if strength == Strength::AS_MADE { need } else { Need::Map };
         let scene = match &subject.content {
-            Content::Photo(one) => self.of_photo(subject, one, how, need, job)?,
+            Content::Photo(one) => self.of_photo(subject, one, how, first, job)?,
             Content::Views(recorded) => self.of_views(subject, recorded, how, job)?,
         };
         // After the cache: whatever was kept, or comes from elsewhere, is mended alike.
         let scene = scene.mended(&how.repairs, job)?;
+        let scene = scene.at_strength(strength, how, need, job)?;
         let took = started.elapsed();
         log::info!("{}: {:?} in {:.3} s", subject.name, need, took.as_secs_f32());
         Ok(scene.timed(took))
@@ -146,11 +166,12 @@ impl Maker {
         };
         let made_by = MadeBy { names: first_names(how, &params), models: nets.models(&params) };
         if need == Need::Map {
-            let map = nets.depth_map(&one.photo, &params, self.cache.as_ref(), job)?;
-            return Scene::of_map(subject, Arc::new(map), made_by);
+            let (map, metric) = nets.depth_map(&one.photo, &params, self.cache.as_ref(), job)?;
+            return Ok(Scene::of_map(subject, Arc::new(map), made_by)?.in_metres(metric));
         }
         let made = nets.synthesize_cached(&one.photo, &params, self.cache.as_ref(), job)?;
-        Scene::of_views(subject, given, made.into(), made_by)
+        let metric = made.metric;
+        Ok(Scene::of_views(subject, given, made.into(), made_by)?.in_metres(metric))
     }
 
     /// What a photo's depth is made from. A net that was not asked for by name and cannot be used is told of, and the
@@ -245,6 +266,9 @@ impl Maker {
     }
 }
 
+/// Said where more is asked for than was recorded.
+const RECORDED: &str = "A recorded light field reaches as far as its views do: its strength is 1 at most";
+
 /// What people read where a map of their own made the picture, and where the phone's did.
 const OWN_MAP: &str = "your map";
 const PHONE: &str = "phone";
@@ -329,13 +353,16 @@ fn without_nets(
     };
     job.sink.warning(format!("{} — the picture's own depth is used", sentence(&error)));
     let made_by = MadeBy::named("the picture's own depth");
-    match need {
+    let is_measured = params.disparity.is_none() && one.truth.is_none();
+    let metric = params.phone.as_ref().filter(|_| is_measured).and_then(|p| p.metric_scale(&params.camera, None));
+    let scene = match need {
         Need::Map => Scene::of_map(subject, map, made_by),
         Need::Views => {
             let made = synthesize_from_map(&one.photo, &map, params, job)?;
             Scene::of_views(subject, Some(map), made.into(), made_by)
         }
-    }
+    };
+    Ok(scene?.in_metres(metric))
 }
 
 #[cfg(test)]

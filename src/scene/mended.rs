@@ -46,7 +46,7 @@ impl Scene {
     /// # Errors
     /// [`SceneError`]: stopped.
     pub fn mended(&self, repairs: &Repairs, job: &Job) -> Result<Self, SceneError> {
-        let first = self.unmended();
+        let first = self.as_made().unmended();
         if repairs.is_empty() {
             return Ok(first.clone());
         }

@@ -24,9 +24,12 @@ mod make;
 mod mended;
 pub mod models;
 mod picture;
+pub mod real;
 pub mod recipe;
 mod series;
+pub mod sharp;
 mod source;
+mod strength;
 mod subject;
 pub mod trust;
 

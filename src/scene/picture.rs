@@ -5,13 +5,16 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Edit, Focus, SceneError, Subject, focus};
-use crate::field::{DisparityMap, Lens, LightField, Photo, Picture, Pixels, RayDepths, fit_long_side};
+use super::{Edit, Focus, SceneError, Subject, focus, sharp};
+use crate::field::{
+    DisparityMap, FNumber, Lens, LightField, Photo, Picture, Pixels, RayDepths, Strength, fit_long_side,
+};
 use crate::io::save::Origin;
 use crate::job::Job;
 use crate::render::cpu;
 use crate::render::lens::{self, Rgbd, Space};
 use crate::repair::Repairs;
+use crate::synth::range::Metric;
 use crate::synth::{ModelTag, Synthesis};
 
 /// How large the picture becomes; never larger than the photo.
@@ -59,6 +62,13 @@ pub struct Scene {
     /// The scene before its depth was mended, where it was, and what was asked to be done to it.
     unmended: Option<Arc<Self>>,
     repairs: Repairs,
+    strength: Strength,
+    /// Metres of its depth at strength 1, where the source has them.
+    metric: Option<Metric>,
+    /// Disparities of the far and the near end at strength 1, as shares of the width.
+    ends: OnceLock<[f32; 2]>,
+    /// The scene at strength 1, where this is another.
+    as_made: Option<Arc<Self>>,
     made_by: MadeBy,
     took: Duration,
 }
@@ -99,7 +109,8 @@ impl Scene {
         Rgbd::check(subject.size(), &map)?;
         let (subject, subject_at) = (Arc::clone(subject), OnceLock::new());
         let (views, unmended, repairs, took) = (None, None, Repairs::default(), Duration::ZERO);
-        Ok(Self { subject, map, subject_at, views, unmended, repairs, made_by, took })
+        let (strength, as_made, metric, ends) = (Strength::AS_MADE, None, None, OnceLock::new());
+        Ok(Self { subject, map, subject_at, views, unmended, repairs, strength, metric, ends, as_made, made_by, took })
     }
 
     /// Of views; `given` is the map that they were made from, where that is known better than at their size.
@@ -121,7 +132,8 @@ impl Scene {
     pub(super) fn with_mended(&self, map: Arc<DisparityMap>, views: Option<MadeViews>) -> Result<Self, SceneError> {
         Rgbd::check(self.subject.size(), &map)?;
         let unmended = Some(Arc::new(self.unmended().clone()));
-        Ok(Self { map, subject_at: OnceLock::new(), views, unmended, ..self.clone() })
+        let (subject_at, ends) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { map, subject_at, ends, views, unmended, ..self.clone() })
     }
 
     /// The same with what was asked to be done to its depth.
@@ -144,6 +156,42 @@ impl Scene {
     pub fn in_one_block(self) -> Self {
         let views = self.views.map(|made| MadeViews { field: made.field.in_one_block(), ..made });
         Self { views, ..self }
+    }
+
+    pub(super) fn in_metres(self, metric: Option<Metric>) -> Self {
+        Self { metric, ..self }
+    }
+
+    /// Metres of its depth at strength 1, where the source has them.
+    pub(super) fn metric(&self) -> Option<Metric> {
+        self.metric
+    }
+
+    /// Disparities between which almost all of the scene lies at strength 1, as shares of the width: far and near.
+    pub(super) fn ends(&self) -> [f32; 2] {
+        let made = self.as_made();
+        *made.ends.get_or_init(|| focus::ends(&made.map).map(|px| px / made.map.size()[0] as f32))
+    }
+
+    /// The same with its map at another strength, and no views yet; what it is about is seen at strength 1.
+    pub(super) fn with_map_at(&self, strength: Strength) -> Self {
+        let (map, subject_at) = (Arc::new(self.map.at_strength(strength)), OnceLock::from(self.subject_at()));
+        let as_made = Some(Arc::new(self.clone()));
+        Self { map, subject_at, views: None, strength, as_made, ..self.clone() }
+    }
+
+    pub(super) fn with_views(self, views: MadeViews) -> Self {
+        Self { views: Some(views), ..self }
+    }
+
+    /// How deep it is, against how it was made.
+    pub fn strength(&self) -> Strength {
+        self.strength
+    }
+
+    /// The same scene at strength 1.
+    pub fn as_made(&self) -> &Self {
+        self.as_made.as_deref().unwrap_or(self)
     }
 
     /// What it is a scene of.
@@ -180,9 +228,22 @@ impl Scene {
     /// The lens of an edit, in pixels of the map's width.
     pub fn lens(&self, edit: &Edit) -> Lens {
         match edit.focus {
-            Focus::Subject => Edit { focus: Focus::At(self.subject_at()), ..*edit }.lens(&self.map),
-            _ => edit.lens(&self.map),
+            Focus::Subject => Edit { focus: Focus::At(self.subject_at()), ..*edit }.lens(&self.map, self.strength),
+            _ => edit.lens(&self.map, self.strength),
         }
+    }
+
+    /// The widest aperture at which the places of an edit stay sharp in a picture of a width; none where it has not two.
+    pub fn widest(&self, edit: &Edit, picture_width: u32) -> Option<FNumber> {
+        let Focus::Through(places) = edit.focus else { return None };
+        let lens = self.lens(edit);
+        (places.all().len() > 1).then(|| sharp::widest(&self.map, &lens, &places, picture_width, self.strength.0))
+    }
+
+    /// Whether a plane goes through the places of an edit; none where it has not two.
+    pub fn goes_through(&self, edit: &Edit) -> Option<bool> {
+        let Focus::Through(places) = edit.focus else { return None };
+        (places.all().len() > 1).then(|| sharp::solve(&self.map, &places, self.strength.0).is_plane())
     }
 
     /// Where the subject most likely is, x and y from 0 to 1.
@@ -224,12 +285,12 @@ impl Scene {
     }
 
     /// Whether a picture is a sum of views: asked for so, or of a recorded light field at its own size, as long as its
-    /// views reach across the lens. All else is the lens renderer's.
+    /// views reach across the lens and it has no faults. All else is the lens renderer's.
     pub fn sums_views(&self, edit: &Edit, size: OutputSize) -> bool {
         let Some(views) = &self.views else { return false };
         let is_asked_for = size == OutputSize::LightField;
         let is_own_size = self.subject.photo().is_none() && self.picture_size(size) == views.field.size();
-        (is_asked_for || is_own_size) && views.field.grid().spans(edit.f_number)
+        (is_asked_for || is_own_size) && views.field.grid().spans(edit.f_number) && edit.glass.is_plain()
     }
 
     /// What must be made of a subject for a picture of this size.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::SceneError;
-use crate::field::{DisparityMap, LightField, Photo, RayDepths, View};
+use crate::field::{DisparityMap, LightField, Photo, RayDepths, Strength, View};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::layout::Layout;
 use crate::io::{self, EmbeddedDepth, FileInfo, LightFieldFile, Opened, PhotoFile};
@@ -114,6 +114,14 @@ impl Subject {
         }
     }
 
+    /// Focal length as on 35-mm film in millimetres, where the file says it.
+    pub fn f35_mm(&self) -> Option<f32> {
+        match &self.content {
+            Content::Photo(one) => one.f35_mm,
+            Content::Views(_) => None,
+        }
+    }
+
     /// Width and height of the picture that is looked at.
     pub fn size(&self) -> [u32; 2] {
         match &self.content {
@@ -129,6 +137,12 @@ impl Subject {
             recorded.shown = Arc::clone(&recorded.shown).in_one_block();
         }
         self
+    }
+
+    /// The strength that it can have of the one that is wanted: views that were recorded end where they do.
+    pub fn strength(&self, wanted: Strength) -> Strength {
+        let wanted = wanted.clamped();
+        if self.recorded().is_some() { Strength(wanted.0.min(Strength::AS_MADE.0)) } else { wanted }
     }
 
     /// A photo with a map of one's own; a recorded light field stays as it is.

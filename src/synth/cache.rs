@@ -16,12 +16,13 @@ use flate2::write::ZlibEncoder;
 use sha2::{Digest, Sha256};
 
 use super::library::hex;
+use super::range::Metric;
 use super::{Manifest, SynthParams};
 use crate::aside::NewFile;
 use crate::field::{DisparityMap, Photo, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
-const MAGIC: &[u8; 8] = b"PLENO\0\0\x05";
+const MAGIC: &[u8; 8] = b"PLENO\0\0\x06";
 /// Bytes that the folder may hold.
 const CAP_BYTES: u64 = 2 << 30;
 
@@ -41,6 +42,8 @@ pub struct CacheKey(String);
 pub(super) struct Entry {
     /// The reference map at the size of the views.
     pub(super) map: DisparityMap,
+    /// Metres, where its source has them.
+    pub(super) metric: Option<Metric>,
     /// View less Lambertian view, wrapping, `[v, u, y, x, rgb]`.
     pub(super) differences: Vec<u8>,
     /// Checksum of the views.
@@ -88,8 +91,8 @@ impl Cache {
     }
 
     /// The reference map of an entry, whether or not its views are there; none where it is missing or damaged.
-    pub(super) fn read_map(&self, key: &CacheKey) -> Option<DisparityMap> {
-        Entry::parse_map(&mut File::open(self.path(key)).ok()?).ok().map(|(map, ..)| map)
+    pub(super) fn read_map(&self, key: &CacheKey) -> Option<(DisparityMap, Option<Metric>)> {
+        Entry::parse_head(&mut File::open(self.path(key)).ok()?).ok().map(|(entry, ..)| (entry.map, entry.metric))
     }
 
     /// Writes an entry aside, renames it, and deletes the longest unused ones beyond the limit.
@@ -157,8 +160,8 @@ impl CacheKey {
 
 impl Entry {
     /// Of one map alone.
-    pub(super) fn of_map(map: DisparityMap) -> Self {
-        Self { map, differences: Vec::new(), checksum: 0 }
+    pub(super) fn of_map(map: DisparityMap, metric: Option<Metric>) -> Self {
+        Self { map, metric, differences: Vec::new(), checksum: 0 }
     }
 
     fn write(&self, to: &mut impl Write) -> io::Result<()> {
@@ -166,6 +169,9 @@ impl Entry {
         for number in [self.map.size()[0], self.map.size()[1], self.checksum, self.differences.len() as u32] {
             to.write_all(&number.to_le_bytes())?;
         }
+        // No metres are no numbers.
+        let metric = self.metric.map_or([f32::NAN; 3], |m| [m.gain, m.nearness, m.f35_mm]);
+        metric.iter().try_for_each(|number| to.write_all(&number.to_le_bytes()))?;
         let mut packed = ZlibEncoder::new(to, Compression::fast());
         let disparity: Vec<u8> = self.map.disparity_px().iter().flat_map(|d| d.to_le_bytes()).collect();
         packed.write_all(&disparity)?;
@@ -174,19 +180,19 @@ impl Entry {
     }
 
     fn parse(from: &mut impl Read) -> io::Result<Self> {
-        let (map, checksum, bytes, mut packed) = Self::parse_map(from)?;
+        let (entry, bytes, mut packed) = Self::parse_head(from)?;
         let mut differences = Vec::new();
         packed.by_ref().take(bytes + 1).read_to_end(&mut differences)?;
         if differences.len() as u64 != bytes {
             return Err(io::ErrorKind::InvalidData.into());
         }
-        Ok(Self { map, differences, checksum })
+        Ok(Self { differences, ..entry })
     }
 
-    /// The map, the checksum, the length of the differences, and the way on to them.
-    fn parse_map<R: Read>(from: &mut R) -> io::Result<(DisparityMap, u32, u64, ZlibDecoder<&mut R>)> {
+    /// All but the differences, the length of those, and the way on to them.
+    fn parse_head<R: Read>(from: &mut R) -> io::Result<(Self, u64, ZlibDecoder<&mut R>)> {
         let damaged = || io::Error::from(io::ErrorKind::InvalidData);
-        let mut head = [0; 24];
+        let mut head = [0; 36];
         from.read_exact(&mut head)?;
         let number = |i: usize| u32::from_le_bytes([head[i], head[i + 1], head[i + 2], head[i + 3]]);
         let (size, checksum, bytes) = ([number(8), number(12)], number(16), number(20));
@@ -194,12 +200,15 @@ impl Entry {
         if &head[..8] != MAGIC || !(1..=1 << 26).contains(&pixels) {
             return Err(damaged());
         }
+        let [gain, nearness, f35_mm] = [24, 28, 32].map(|i| f32::from_bits(number(i)));
+        let is_metric = [gain, nearness, f35_mm].iter().all(|number| number.is_finite());
         let mut packed = ZlibDecoder::new(from);
         let mut content = Vec::new();
         packed.by_ref().take(pixels as u64 * 4).read_to_end(&mut content)?;
         let disparity_px = content.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         let map = DisparityMap::new(size, disparity_px).map_err(|_wrong_length| damaged())?;
-        Ok((map, checksum, bytes.into(), packed))
+        let metric = is_metric.then_some(Metric { gain, nearness, f35_mm });
+        Ok((Self { map, metric, differences: Vec::new(), checksum }, bytes.into(), packed))
     }
 }
 
@@ -219,6 +228,7 @@ mod tests {
         };
         Entry {
             map: DisparityMap::constant([3, 2], 0.5),
+            metric: Some(Metric { gain: 0.5, nearness: -0.25, f35_mm: 26.0 }),
             differences: (0..bytes).map(|_| next()).collect(),
             checksum: 7,
         }
@@ -235,10 +245,11 @@ mod tests {
         cache.write(&key("a"), &entry(1, 1000)).unwrap();
         assert_eq!(cache.read(&key("a")), Some(entry(1, 1000)));
         assert_eq!(cache.read(&key("b")), None);
-        assert_eq!(cache.read_map(&key("a")), Some(entry(1, 0).map));
-        let of_map = Entry::of_map(DisparityMap::constant([3, 2], 0.5));
+        assert_eq!(cache.read_map(&key("a")), Some((entry(1, 0).map, entry(1, 0).metric)));
+        let of_map = Entry::of_map(DisparityMap::constant([3, 2], 0.5), None);
         cache.write(&key("map"), &of_map).unwrap();
-        assert_eq!((cache.read_map(&key("map")), cache.read(&key("map"))), (Some(of_map.map.clone()), Some(of_map)));
+        let read = (cache.read_map(&key("map")), cache.read(&key("map")));
+        assert_eq!(read, (Some((of_map.map.clone(), None)), Some(of_map)));
         let path = cache.path(&key("a"));
         let whole = fs::read(&path).unwrap();
         for cut in [0, 7, 20, 30, whole.len() - 1] {

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::cache::{Cache, CacheKey, Entry};
 use super::picture::{Signed, reference_view};
 use super::pipeline::{Made, Synthesizer};
+use super::range::Metric;
 use super::{SynthError, SynthParams, Synthesis, lambertian, lift, tract};
 use crate::field::{DisparityMap, LightField, Photo, View, ViewIndex, fit_long_side};
 use crate::job::Job;
@@ -31,7 +32,8 @@ impl Synthesizer {
         if let Some(entry) = cache.read(&key)
             && let Some((field, depths)) = pool.install(|| self.restored(photo, params, &entry, job))?
         {
-            return Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() });
+            let (metric, models) = (entry.metric, self.models(params));
+            return Ok(Synthesis { field, depths, metric, models, took: started.elapsed() });
         }
         let made = self.synthesize(photo, params, job)?;
         if let Some(entry) = pool.install(|| self.entry(&made)) {
@@ -41,7 +43,8 @@ impl Synthesizer {
     }
 
     /// The disparity of the reference view alone, at the size of the views: the map that [`synthesize`](Self::synthesize)
-    /// would make its light field of, without the 63 other views. It is taken from the cache, or put there.
+    /// would make its light field of, without the 63 other views, and metres where its source has them. It is taken from the
+    /// cache, or put there.
     ///
     /// # Errors
     /// As `synthesize`.
@@ -51,19 +54,19 @@ impl Synthesizer {
         params: &SynthParams,
         cache: Option<&Cache>,
         job: &Job,
-    ) -> Result<DisparityMap, SynthError> {
+    ) -> Result<(DisparityMap, Option<Metric>), SynthError> {
         let key = cache.map(|cache| (cache, CacheKey::new(photo, params, &self.manifests(params))));
         let known = key.as_ref().and_then(|(cache, key)| cache.read_map(key));
         let size = fit_long_side(photo.size(), params.long_side.max(1));
-        if let Some(map) = known.filter(|map| map.size() == size) {
-            return Ok(map);
+        if let Some(known) = known.filter(|(map, _)| map.size() == size) {
+            return Ok(known);
         }
         let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
-        let map = pool.install(|| self.reference_map_of(photo, params, job))?;
+        let (map, metric) = pool.install(|| self.reference_map_of(photo, params, job))?;
         if let Some((cache, key)) = key {
-            keep(cache, &key, &Entry::of_map(map.clone()), job);
+            keep(cache, &key, &Entry::of_map(map.clone(), metric), job);
         }
-        Ok(map)
+        Ok((map, metric))
     }
 
     /// What a cache keeps of a light field; none where its depths are more than their reference map.
@@ -80,7 +83,7 @@ impl Synthesizer {
             Some(difference(made.field.view(at), &plain))
         });
         let differences = views.collect::<Option<Vec<_>>>()?.concat();
-        Some(Entry { map, differences, checksum: checksum(made.field.views()) })
+        Some(Entry { map, metric: made.metric, differences, checksum: checksum(made.field.views()) })
     }
 
     /// A light field from a cache's entry; none where the entry does not lead to the views it was made from.

@@ -5,10 +5,11 @@
 
 use glam::Vec4;
 
+use super::lambertian::{encode, render_row};
 use super::lift::STEP_PX;
 use super::picture::Signed;
 use crate::background::{self, Beside, Front, Hidden, SHARE};
-use crate::field::{Raster, RayDepths, ViewOffset, bilinear, ramp};
+use crate::field::{FieldError, Raster, RayDepths, View, ViewOffset, bilinear, ramp};
 
 /// A surface is behind another when it is farther by this much, px per view step.
 const APART_PX: f32 = 0.08;
@@ -31,6 +32,19 @@ impl FarSide {
         let behind = background::behind(&front, APART_PX, |_, _| [0.0; 5]);
         let of = |i: usize| (map[i], Beside::of(map, photo.sides(), i, APART_PX));
         Self { front: Raster::par_from_fn(photo.size(), |x, y| of(y * width + x)), behind }
+    }
+
+    /// One whole view from its ray depths, `[y, x]` of the photo's size.
+    pub(super) fn view(&self, photo: &Signed, disparity_px: &[f32], from: ViewOffset) -> Result<View, FieldError> {
+        let [w, h] = photo.sides();
+        let mut rgba = vec![255; w * h * 4];
+        for (y, (row, d)) in rgba.chunks_exact_mut(w * 4).zip(disparity_px.chunks_exact(w)).enumerate() {
+            render_row(photo, d, [0, y], from, |x, colour| {
+                let colour = self.colour(colour, [x, y], from, d[x]);
+                row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour));
+            });
+        }
+        View::new(photo.size(), rgba)
     }
 
     /// The colour of a pixel of a view whose ray has disparity `d`: `own` where the photo sees its end.

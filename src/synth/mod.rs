@@ -42,5 +42,5 @@ pub use manifest::{
 };
 pub use params::{DepthSource, SynthParams, Synthesis};
 pub use picture::{Signed, reference_view};
-pub use pipeline::{Synthesizer, synthesize_from_map};
+pub use pipeline::{Synthesizer, synthesize_bared, synthesize_from_map};
 pub use scale::{NoScale, Scale};

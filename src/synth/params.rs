@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::range::{Camera, Estimate};
+use super::range::{Camera, Estimate, Metric};
 use super::{ModelTag, Scale};
 use crate::field::{DisparityMap, LightField, RayDepths};
 
@@ -64,6 +64,8 @@ pub struct Synthesis {
     pub field: Arc<LightField>,
     /// The disparity of every ray.
     pub depths: Arc<RayDepths>,
+    /// How disparity and distance hang together, where the source of depth is in metres.
+    pub metric: Option<Metric>,
     /// The models that took part.
     pub models: Vec<ModelTag>,
     /// How long it took.

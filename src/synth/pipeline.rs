@@ -10,7 +10,7 @@ use super::depth::{DepthNet, NetDepths};
 use super::far_side::FarSide;
 use super::occlusion::OcclusionNet;
 use super::picture::{Signed, reference_view};
-use super::range::{Estimate, Geometry};
+use super::range::{Estimate, Geometry, Metric};
 use super::relative::RelativeNet;
 use super::{
     DepthSource, Manifest, ModelError, ModelSource, ModelTag, RayDepthsFrom, RelativeOutput, Scale, SynthError,
@@ -37,6 +37,16 @@ pub struct Synthesizer {
     occlusion: Option<OcclusionNet>,
     /// The further model that was asked for last, by its name.
     further: Mutex<Option<(String, Arc<Further>)>>,
+}
+
+/// What is known of the reference view.
+struct Reference {
+    /// Its disparity.
+    map: DisparityMap,
+    /// The net's maps of all views, where its manifest wants those.
+    net: Option<NetDepths>,
+    /// Metres, where the source has them.
+    metric: Option<Metric>,
 }
 
 /// A depth net that is asked for by its name.
@@ -118,8 +128,8 @@ impl Synthesizer {
         let size = fit_long_side(photo.size(), params.long_side.max(1));
         memory::check(size, self.grid())?;
         let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
-        let (field, depths) = pool.install(|| self.stages(photo, params, job))?;
-        Ok(Synthesis { field, depths, models: self.models(params), took: started.elapsed() })
+        let ((field, depths), metric) = pool.install(|| self.stages(photo, params, job))?;
+        Ok(Synthesis { field, depths, metric, models: self.models(params), took: started.elapsed() })
     }
 
     /// Makes the disparity of the reference view alone, at the size of the views: what one picture needs.
@@ -128,19 +138,21 @@ impl Synthesizer {
         photo: &Photo,
         params: &SynthParams,
         job: &Job,
-    ) -> Result<DisparityMap, SynthError> {
+    ) -> Result<(DisparityMap, Option<Metric>), SynthError> {
         job.advance(Stage::Depth, 0, 3)?;
         let reference = reference_view(photo, params.long_side, job)?;
-        let (map, _) = self.reference_map(photo, &reference, params, job)?;
+        let known = self.reference_map(photo, &reference, params, job)?;
         job.advance(Stage::Depth, 3, 3)?;
-        Ok(map)
+        Ok((known.map, known.metric))
     }
 
-    fn stages(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<Made, SynthError> {
+    fn stages(&self, photo: &Photo, params: &SynthParams, job: &Job) -> Result<(Made, Option<Metric>), SynthError> {
         job.advance(Stage::Depth, 0, 3)?;
         let reference = Arc::new(reference_view(photo, params.long_side, job)?);
         job.sink.view(self.grid().reference(), &reference);
-        let depths = Arc::new(self.ray_depths(photo, &reference, params, job)?);
+        let known = self.reference_map(photo, &reference, params, job)?;
+        let metric = known.metric;
+        let depths = Arc::new(self.ray_depths(known, job)?);
         job.advance(Stage::Depth, 3, 3)?;
         job.sink.depths(&depths);
         let signed = Signed::from_view(&reference);
@@ -148,37 +160,31 @@ impl Synthesizer {
         if let Some(net) = self.occlusion.as_ref().filter(|_| params.occlusion) {
             correct(net, &reference, &signed, &depths, params.threads, job, &mut views)?;
         }
-        Ok((Arc::new(LightField::new(self.grid(), views)?), depths))
+        Ok(((Arc::new(LightField::new(self.grid(), views)?), depths), metric))
     }
 
-    /// The disparity of every ray, from whatever source was asked for.
-    fn ray_depths(
-        &self,
-        photo: &Photo,
-        reference: &View,
-        params: &SynthParams,
-        job: &Job,
-    ) -> Result<RayDepths, SynthError> {
-        match self.reference_map(photo, reference, params, job)? {
-            (map, Some(net)) => all_maps(&net, map),
-            (map, None) => Ok(lift::lifted(&map, self.grid(), job)?),
+    /// The disparity of every ray.
+    fn ray_depths(&self, known: Reference, job: &Job) -> Result<RayDepths, SynthError> {
+        match known {
+            Reference { map, net: Some(net), .. } => all_maps(&net, map),
+            Reference { map, net: None, .. } => Ok(lift::lifted(&map, self.grid(), job)?),
         }
     }
 
-    /// The disparity of the reference view on the scale that is asked for, and the net's maps of all views where its
-    /// manifest wants those and they are on that scale.
+    /// What is known of the reference view on the scale that is asked for; the net's maps of all views where its manifest
+    /// wants those and they are on that scale.
     fn reference_map(
         &self,
         photo: &Photo,
         reference: &View,
         params: &SynthParams,
         job: &Job,
-    ) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
+    ) -> Result<Reference, SynthError> {
         let made = self.source_map(photo, reference, params, job)?;
         if params.scale == Scale::Deep || self.has_a_scale(params)? {
             return Ok(made);
         }
-        Ok((params.scale.of(made.0)?, None))
+        Ok(Reference { map: params.scale.of(made.map)?, net: None, metric: None })
     }
 
     /// Whether the source of depth says how far it reaches: a map of the person's own, or metres.
@@ -195,29 +201,31 @@ impl Synthesizer {
         })
     }
 
-    /// The disparity of the reference view as its source has it, and the net's maps of all views where its manifest wants
-    /// those.
+    /// What is known of the reference view as its source has it.
     fn source_map(
         &self,
         photo: &Photo,
         reference: &View,
         params: &SynthParams,
         job: &Job,
-    ) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
+    ) -> Result<Reference, SynthError> {
         if let Some(map) = &params.disparity {
-            return Ok((map.resized(reference.size())?, None));
+            return Ok(Reference { map: map.resized(reference.size())?, net: None, metric: None });
         }
         let threads = params.threads;
         let measured = |phone: &Estimate| phone.disparity(&params.camera, None);
-        let map = match (&params.source, &params.phone) {
+        let (map, metric) = match (&params.source, &params.phone) {
             (DepthSource::Model(id), _) => match &*self.further(id)? {
                 Further::Ray(net) => return refined(net, reference, threads, job),
                 Further::Relative(net) => net.estimate(photo, reference, params, job)?,
             },
-            (DepthSource::Phone, Some(phone)) => upsample::to_guide(&measured(phone)?, reference, job)?,
+            (DepthSource::Phone, Some(phone)) => {
+                let map = upsample::to_guide(&measured(phone)?, reference, job)?;
+                (map, phone.metric_scale(&params.camera, None))
+            }
             (DepthSource::Fused, Some(phone)) => {
                 let net = self.depth.estimate(reference, threads, job)?.reference()?;
-                fuse::fuse(&net, &measured(phone)?, reference, job)?
+                (fuse::fuse(&net, &measured(phone)?, reference, job)?, None)
             }
             (source, _) => {
                 if *source != DepthSource::Network {
@@ -226,7 +234,7 @@ impl Synthesizer {
                 return refined(&self.depth, reference, threads, job);
             }
         };
-        Ok((map, None))
+        Ok(Reference { map, net: None, metric })
     }
 
     /// A further model by its name, kept for the next photo.
@@ -275,18 +283,13 @@ impl Synthesizer {
 }
 
 /// A ray-depth net's map of the reference view, its edges brought to the photo's.
-fn refined(
-    depth: &DepthNet,
-    reference: &View,
-    threads: usize,
-    job: &Job,
-) -> Result<(DisparityMap, Option<NetDepths>), SynthError> {
+fn refined(depth: &DepthNet, reference: &View, threads: usize, job: &Job) -> Result<Reference, SynthError> {
     let net = depth.estimate(reference, threads, job)?;
     job.advance(Stage::Depth, 1, 3)?;
     let map = upsample::to_guide(&net.reference()?, reference, job)?;
     job.advance(Stage::Depth, 2, 3)?;
     let is_lifted = depth.net().manifest().ray_depths == RayDepthsFrom::Lift;
-    Ok((map, (!is_lifted).then_some(net)))
+    Ok(Reference { map, net: (!is_lifted).then_some(net), metric: None })
 }
 
 /// Makes a light field of a photo whose ray depth is known: Lambertian views on the paper's grid, without any net.
@@ -299,6 +302,32 @@ pub fn synthesize_from_map(
     params: &SynthParams,
     job: &Job,
 ) -> Result<Synthesis, SynthError> {
+    of_map(photo, map, params, job, lambertian_views)
+}
+
+/// As [`synthesize_from_map`]; where rays end behind what the photo sees, the far side goes on.
+///
+/// # Errors
+/// As [`synthesize_from_map`].
+pub fn synthesize_bared(
+    photo: &Photo,
+    map: &DisparityMap,
+    params: &SynthParams,
+    job: &Job,
+) -> Result<Synthesis, SynthError> {
+    of_map(photo, map, params, job, bared_views)
+}
+
+/// Makes all views of a reference view, its colours, and the disparity of every ray.
+type Render = fn(&Arc<View>, &Signed, &RayDepths, &Job) -> Result<Vec<Arc<View>>, SynthError>;
+
+fn of_map(
+    photo: &Photo,
+    map: &DisparityMap,
+    params: &SynthParams,
+    job: &Job,
+    render: Render,
+) -> Result<Synthesis, SynthError> {
     let started = Instant::now();
     memory::check(fit_long_side(photo.size(), params.long_side.max(1)), ViewGrid::PAPER)?;
     let pool = tract::pool(params.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
@@ -307,10 +336,10 @@ pub fn synthesize_from_map(
         let reference = Arc::new(reference_view(photo, params.long_side, job)?);
         let depths = Arc::new(lift::lifted(&map.resized(reference.size())?, ViewGrid::PAPER, job)?);
         job.sink.depths(&depths);
-        let views = lambertian_views(&reference, &Signed::from_view(&reference), &depths, job)?;
+        let views = render(&reference, &Signed::from_view(&reference), &depths, job)?;
         Ok((Arc::new(LightField::new(ViewGrid::PAPER, views)?), depths))
     })?;
-    Ok(Synthesis { field, depths, models: Vec::new(), took: started.elapsed() })
+    Ok(Synthesis { field, depths, metric: None, models: Vec::new(), took: started.elapsed() })
 }
 
 /// The net's own maps at the size of the views; the reference view's is the refined one.
@@ -339,6 +368,20 @@ fn lambertian_views(
     spiral(grid, Some(Stage::Warp), job, |at| match at == grid.reference() {
         true => Ok(Arc::clone(reference)),
         false => Ok(Arc::new(lambertian::render_view(photo, depths.view(at), grid.offset(at))?)),
+    })
+}
+
+/// The same, with the far side's colours where rays end behind what the photo sees.
+fn bared_views(
+    reference: &Arc<View>,
+    photo: &Signed,
+    depths: &RayDepths,
+    job: &Job,
+) -> Result<Vec<Arc<View>>, SynthError> {
+    let (grid, far) = (depths.grid(), FarSide::new(photo, depths));
+    spiral(grid, Some(Stage::Warp), job, |at| match at == grid.reference() {
+        true => Ok(Arc::clone(reference)),
+        false => Ok(Arc::new(far.view(photo, depths.view(at), grid.offset(at))?)),
     })
 }
 

@@ -13,14 +13,16 @@ const DEEP: f32 = 0.25;
 const SKY_SHARE: f32 = 0.005;
 /// Share of the pixels that may lie outside the range at either end.
 const TAIL: f32 = 0.02;
-/// Focal length on 35-mm film where neither photo nor net tell it, and the least and greatest that are believed.
-const USUAL_F35_MM: f32 = 28.0;
-const F35_MM: [f32; 2] = [8.0, 400.0];
+/// Focal length on 35-mm film where neither photo nor net tell it.
+pub const USUAL_F35_MM: f32 = 28.0;
+/// The least and greatest focal length that are believed.
+pub const F35_MM: [f32; 2] = [8.0, 400.0];
 /// Distances of the focal plane that are believed, in metres.
 const FOCUS_M: [f32; 2] = [0.05, 1000.0];
 /// Width of a frame of 35-mm film, and views of f/28 across an aperture of 1.
-const FILM_M: f32 = 0.036;
-const VIEWS: f32 = 28.0;
+pub const FILM_M: f32 = 0.036;
+/// See [`FILM_M`].
+pub const VIEWS: f32 = 28.0;
 /// Metric disparities are cut at this many times the usual range.
 const WIDEST: f32 = 4.0;
 
@@ -57,6 +59,17 @@ pub struct Camera {
     pub focus_m: Option<f32>,
 }
 
+/// How disparity and distance hang together in metric depth: `D = gain·(1/z − nearness)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metric {
+    /// Disparity of one inverse metre, as a share of the picture's width.
+    pub gain: f32,
+    /// Inverse metres of what has disparity 0.
+    pub nearness: f32,
+    /// Focal length as on 35-mm film, in millimetres.
+    pub f35_mm: f32,
+}
+
 impl Estimate {
     /// Depth that only orders.
     pub fn relative(nearness: RelativeDepth) -> Self {
@@ -89,30 +102,38 @@ impl Estimate {
     /// # Errors
     /// Values beyond all measure.
     pub fn disparity(&self, camera: &Camera, range_px: Option<[f32; 2]>) -> Result<DisparityMap, FieldError> {
-        match (self.geometry, range_px) {
-            (Geometry::Metric { focal_px }, None) => self.of_camera(focal_px, camera),
-            (_, Some(range_px)) => self.stretched(range_px),
-            (Geometry::Relative, None) => {
+        match (self.metric_scale(camera, range_px), range_px) {
+            (Some(metric), _) => self.of_camera(metric),
+            (None, Some(range_px)) => self.stretched(range_px),
+            (None, None) => {
                 let usual = RelativeDepth::usual_range_px(self.nearness.size()[0]);
                 self.stretched(usual.map(|px| px * self.relief()))
             }
         }
     }
 
-    /// Disparities of a real lens.
-    fn of_camera(&self, focal_px: Option<f32>, camera: &Camera) -> Result<DisparityMap, FieldError> {
+    /// How disparity and distance hang together; none where the source only orders, or a range is given for it.
+    pub fn metric_scale(&self, camera: &Camera, range_px: Option<[f32; 2]>) -> Option<Metric> {
+        let (Geometry::Metric { focal_px }, None) = (self.geometry, range_px) else { return None };
         let size = self.nearness.size();
         let long = size[0].max(size[1]) as f32;
         let believed = |mm: &f32| (F35_MM[0]..=F35_MM[1]).contains(mm);
         let by_net = || focal_px.map(|px| px / long * FILM_M * 1000.0).filter(believed);
-        let f35_m = camera.f35_mm.filter(believed).or_else(by_net).unwrap_or(USUAL_F35_MM) / 1000.0;
+        let f35_mm = camera.f35_mm.filter(believed).or_else(by_net).unwrap_or(USUAL_F35_MM);
         let focus_m = camera.focus_m.filter(|m| (FOCUS_M[0]..=FOCUS_M[1]).contains(m));
-        let focus = focus_m.map_or_else(|| self.middle(), f32::recip);
-        let gain = long * f35_m / FILM_M * f35_m / VIEWS;
+        let nearness = focus_m.map_or_else(|| self.middle(), f32::recip);
+        let f35_m = f35_mm / 1000.0;
+        let gain = long / size[0] as f32 * f35_m / FILM_M * f35_m / VIEWS;
+        Some(Metric { gain, nearness, f35_mm })
+    }
+
+    /// Disparities of a real lens.
+    fn of_camera(&self, Metric { gain, nearness, .. }: Metric) -> Result<DisparityMap, FieldError> {
+        let size = self.nearness.size();
         let [far, near] = RelativeDepth::usual_range_px(size[0]).map(|px| px * WIDEST);
         let px = |(i, n): (usize, &f32)| {
             let n = if self.is_sky(i) || !n.is_finite() { 0.0 } else { *n };
-            (gain * (n - focus)).clamp(far, near)
+            (gain * size[0] as f32 * (n - nearness)).clamp(far, near)
         };
         DisparityMap::new(size, self.nearness.nearness().iter().enumerate().map(px).collect())
     }

@@ -2,7 +2,7 @@
 
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
-use super::range::Estimate;
+use super::range::{Estimate, Metric};
 use super::tract::Output;
 use super::{
     ColourOrder, Layout, Manifest, ModelFile, RelativeOutput, RelativeRules, SynthError, SynthParams, upsample,
@@ -25,14 +25,14 @@ impl RelativeNet {
         &self.net
     }
 
-    /// Ray depth of the reference view at its size. The net sees the photo itself, at the size that is best for it.
+    /// Ray depth of the reference view at its size, and metres where the net knows them. The net sees the photo itself, at the size that is best for it.
     pub(super) fn estimate(
         &self,
         photo: &Photo,
         reference: &View,
         params: &SynthParams,
         job: &Job,
-    ) -> Result<DisparityMap, SynthError> {
+    ) -> Result<(DisparityMap, Option<Metric>), SynthError> {
         let manifest = self.net.manifest();
         let size = working_size(manifest, photo.size());
         let input = relative_input(manifest, &Signed::of_photo(photo, size, job)?);
@@ -40,9 +40,10 @@ impl RelativeNet {
         let kind = manifest.relative.output;
         let ([w, h], values) = map_of(&outputs[0], kind).ok_or_else(|| self.net.no_map(&outputs[0]))?;
         let further = Further::of(&manifest.relative, &outputs, values.len(), w as f32 / sides(size)[0] as f32);
-        let map = estimate_of(kind, [w as u32, h as u32], &values, further)?;
-        let map = map.disparity(&params.camera, manifest.disparity_range_px)?;
-        upsample::to_guide(&map, reference, job)
+        let estimate = estimate_of(kind, [w as u32, h as u32], &values, further)?;
+        let map = estimate.disparity(&params.camera, manifest.disparity_range_px)?;
+        let metric = estimate.metric_scale(&params.camera, manifest.disparity_range_px);
+        Ok((upsample::to_guide(&map, reference, job)?, metric))
     }
 }
 

@@ -26,6 +26,8 @@ pub enum Action {
     Show(Dialog),
     /// Takes the dialog away.
     CloseDialog,
+    /// Says what a person should know.
+    Tell(String),
     /// Says why something cannot be done.
     Refuse(&'static str),
     /// Looks from another place.

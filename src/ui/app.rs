@@ -94,7 +94,7 @@ impl App {
     /// Whether nothing is on its way: no job, no upload, no picture at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_uploading = self.window.pictures.as_ref().is_some_and(FieldPictures::is_uploading);
-        !self.is_busy() && self.window.rest.is_there() && !is_uploading && self.is_mended()
+        !self.is_busy() && self.window.rest.is_there() && !is_uploading && self.is_mended() && self.is_shaped()
     }
 
     /// Whether all repairs are in what is shown.
@@ -105,6 +105,11 @@ impl App {
     /// What was done to the depth.
     pub fn repairs(&self) -> &Repairs {
         &self.window.repairs
+    }
+
+    /// Whether the strength that is asked for is shown.
+    fn is_shaped(&self) -> bool {
+        self.window.open.wanted_strength(&self.window.edit).is_none()
     }
 
     /// The disparity at a place of the photo, x and y from 0 to 1, in pixels per view step.
@@ -154,7 +159,10 @@ impl App {
 
     /// Asks for the pictures that come late.
     fn ask_for_pictures(&mut self, ctx: &egui::Context) {
-        let Window { open, edit, look, rest, settings, workers, tint, .. } = &mut self.window;
+        let Window { open, edit, look, rest, settings, workers, shaping, asked, tint, .. } = &mut self.window;
+        if let Some(request) = shaping.ask(open, edit, rest.generation(), asked, look.is_moving) {
+            workers.shaper.replace(request);
+        }
         let seen = Seen { open, edit, look };
         if let Some(request) = rest.ask(&seen, ctx) {
             workers.finisher.replace(request);

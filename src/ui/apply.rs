@@ -35,6 +35,7 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
         }
         Action::Show(dialog) => window.dialog = Some(dialog),
         Action::CloseDialog => window.dialog = None,
+        Action::Tell(text) => window.toasts.info(&text),
         Action::Refuse(why) => window.toasts.error(why),
         Action::LookFrom(at) => {
             window.look.is_circling = false;

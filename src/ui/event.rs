@@ -36,6 +36,8 @@ pub enum Event {
     Trust(TrustKey, egui::ColorImage),
     /// What mending depth was waiting for.
     Mending(Answer),
+    /// The light field that is shown, at another strength.
+    AtStrength(Box<Made>),
     /// A picture at rest, by the lens renderer.
     AtRest(RestKey, Arc<TileSet>),
     /// A file was written.

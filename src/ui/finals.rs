@@ -7,11 +7,11 @@ use super::event::Event;
 use super::keys::RestKey;
 use super::tiles::TileSet;
 use super::worker::{JobId, Outbox, Work};
-use crate::field::ViewPoint;
+use crate::field::{Strength, ViewPoint};
 use crate::job::{Cancel, Job};
 use crate::render::Picture;
 use crate::render::lens::{LensGpu, Prepared, Rgbd, Space};
-use crate::scene::{Edit, Scene, SceneError};
+use crate::scene::{Edit, Making, Need, Scene, SceneError};
 
 /// A request for a picture at rest.
 pub struct Request {
@@ -24,9 +24,12 @@ pub struct Request {
 /// What of a picture does not depend on the lens, and the device that draws it, if it is faster than the processor.
 struct Renderer {
     device: Option<LensGpu>,
-    rgbd: Option<(u64, Rgbd)>,
-    prepared: Option<(u64, ViewPoint, [u32; 2], Arc<Prepared>)>,
+    rgbd: Option<(Which, Rgbd)>,
+    prepared: Option<(Which, ViewPoint, [u32; 2], Arc<Prepared>)>,
 }
+
+/// The light field's number, and how deep it is.
+type Which = (u64, Strength);
 
 /// The work of the thread that renders pictures at rest; it keeps what does not depend on the lens.
 pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
@@ -44,9 +47,11 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
 impl Renderer {
     fn render(&mut self, request: &Request, job: &Job) -> Result<Picture, SceneError> {
         let RestKey { edit, region, .. } = request.key;
-        let prepared = self.prepared(request, job)?;
+        // The views of a strength may be on their way: the map is there at once.
+        let scene = request.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
+        let prepared = self.prepared(&scene, &request.key, job)?;
         job.check()?;
-        let lens = request.scene.lens(&edit);
+        let lens = scene.lens(&edit);
         if let Some(device) = &mut self.device
             && let Some(picture) = device.render(&prepared, &lens, region, job)?
         {
@@ -55,8 +60,9 @@ impl Renderer {
         Ok(prepared.render(&lens, region, job)?)
     }
 
-    fn prepared(&mut self, request: &Request, job: &Job) -> Result<Arc<Prepared>, SceneError> {
-        let RestKey { edit: Edit { viewpoint, .. }, size, generation, .. } = request.key;
+    fn prepared(&mut self, scene: &Scene, key: &RestKey, job: &Job) -> Result<Arc<Prepared>, SceneError> {
+        let RestKey { edit: Edit { viewpoint, .. }, size, generation, .. } = *key;
+        let generation = (generation, scene.strength());
         if let Some((have, from, at, prepared)) = &self.prepared
             && (*have, *from, *at) == (generation, viewpoint, size)
         {
@@ -64,7 +70,7 @@ impl Renderer {
         }
         let rgbd = match self.rgbd.take().filter(|(have, _)| *have == generation) {
             Some((_, rgbd)) => rgbd,
-            None => request.scene.rgbd()?.in_space(Space::Srgb),
+            None => scene.rgbd()?.in_space(Space::Srgb),
         };
         let (_, rgbd) = self.rgbd.insert((generation, rgbd));
         job.check()?;

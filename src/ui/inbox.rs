@@ -22,6 +22,7 @@ use super::open::{Made, Open};
 use super::progress::Loading;
 use super::queue::State;
 use super::rays::Rays;
+use super::strength::is_same;
 use super::tiles::Tiled;
 use super::window::Window;
 use super::worker::JobId;
@@ -61,6 +62,7 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
         Event::AtRest(key, tiles) => window.rest.put(key, tiles),
         Event::Trust(key, image) => window.tint.put(key, image, ctx),
         Event::Mending(answer) => mending(window, answer, ctx),
+        Event::AtStrength(made) => at_strength(window, *made),
         Event::Peaks(peaks) => window.rest.put_peaks(peaks, ctx),
         Event::Thumbnail(path, image) => {
             let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
@@ -236,6 +238,13 @@ fn made(window: &mut Window, made: Made) {
     }
 }
 
+/// The light field that is shown, deeper or flatter: the pictures at rest of that strength are the same.
+fn at_strength(window: &mut Window, made: Made) {
+    if window.open.scene().is_some_and(|shown| is_same(shown, &made.scene)) {
+        show(window, made);
+    }
+}
+
 /// A light field that was made before takes the place of what is shown.
 pub fn show_again(window: &mut Window, kept: Kept) {
     window.rest.resume(kept.generation);
@@ -258,7 +267,7 @@ fn mending(window: &mut Window, answer: Answer, ctx: &Context) {
         Answer::Kit(generation, mender) => window.mending.take_kit(generation, mender),
         Answer::Outline(region, image) => window.mending.take_outline(region, image, ctx),
         Answer::Mended(made) => {
-            let first = |scene: &Scene| Arc::as_ptr(scene.unmended().map());
+            let first = |scene: &Scene| Arc::as_ptr(scene.as_made().unmended().map());
             if window.open.scene().is_some_and(|shown| first(shown) == first(&made.scene)) {
                 window.rest.begin();
                 show(window, *made);

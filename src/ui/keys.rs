@@ -2,7 +2,7 @@
 
 use egui::{ColorImage, Rect, Vec2};
 
-use crate::field::{Lens, ViewIndex, fit_long_side};
+use crate::field::{Lens, Strength, ViewIndex, fit_long_side};
 use crate::render::lens::Region;
 use crate::scene::Edit;
 
@@ -74,6 +74,8 @@ pub struct PeaksKey {
     pub lens: Lens,
     /// The view that is looked at.
     pub view: ViewIndex,
+    /// How deep the scene is.
+    pub strength: Strength,
     /// Which light field, counted by the window.
     pub generation: u64,
 }

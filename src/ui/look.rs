@@ -39,6 +39,8 @@ pub struct Look {
     pub canvas: Rect,
     /// Photo and picture side by side.
     pub split: Split,
+    /// The ring that the hand holds, of what is kept sharp.
+    pub held_ring: Option<usize>,
     /// Place in the picture (0 to 1) that cross-hairs and epipolar images go through.
     pub probe: Vec2,
     /// The disparity under the pointer.
@@ -60,6 +62,7 @@ impl Default for Look {
             pose: Pose::default(),
             canvas: Rect::ZERO,
             split: Split { is_shown: false, at: 0.5, is_held: false },
+            held_ring: None,
             probe: Vec2::splat(0.5),
             hovered_px: None,
             is_circling: false,

@@ -6,9 +6,11 @@ use egui::Vec2;
 
 use super::document::Document;
 use super::rays::Rays;
-use crate::field::{DisparityMap, Lens, LightField, Photo, ViewGrid, ViewIndex, ViewPoint};
+use crate::field::{
+    DisparityMap, FNumber, Lens, LightField, Photo, Strength, ViewGrid, ViewIndex, ViewOffset, ViewPoint,
+};
 use crate::scene::trust::Invented;
-use crate::scene::{Edit, Making, Scene, SceneError, Subject};
+use crate::scene::{Edit, Focus, Making, Scene, SceneError, Subject};
 
 /// What is open.
 #[derive(Default)]
@@ -63,8 +65,7 @@ impl Made {
     /// # Errors
     /// It has no views.
     pub fn of(scene: Scene) -> Result<Self, SceneError> {
-        let rays = Rays::new(Arc::clone(&scene.made_views()?.depths));
-        scene.subject_at();
+        let rays = Rays::about(Arc::clone(&scene.made_views()?.depths), scene.subject_at());
         let invented = scene.trust()?.invented();
         Ok(Self { scene, rays, invented })
     }
@@ -106,8 +107,8 @@ impl Open {
             Self::Photo(open) => open.known = Known::Whole(Box::new(made)),
             Self::LightField(open) => {
                 open.document.subject = Arc::clone(made.scene.subject());
-                if let Some(recorded) = open.document.subject.recorded() {
-                    open.views = Arc::clone(&recorded.shown);
+                if let Some(views) = made.scene.views() {
+                    open.views = Arc::clone(&views.field);
                 }
                 open.known = Known::Whole(Box::new(made));
             }
@@ -213,8 +214,31 @@ impl Open {
         match (self.scene(), self.rays()) {
             (Some(scene), _) => scene.lens_at(edit, self.width()),
             (None, Some(rays)) => rays.lens(edit),
-            (None, None) => edit.lens(&DisparityMap::constant([1, 1], 0.0)).scaled(self.width() as f32),
+            (None, None) => {
+                edit.lens(&DisparityMap::constant([1, 1], 0.0), Strength::AS_MADE).scaled(self.width() as f32)
+            }
         }
+    }
+
+    /// The strength of what is shown, which is another than the edit's until that is made.
+    fn strength(&self) -> Strength {
+        self.scene().map_or(Strength::AS_MADE, Scene::strength)
+    }
+
+    /// The strength that an edit asks for of what is open, where that is not there yet.
+    pub fn wanted_strength(&self, edit: &Edit) -> Option<Strength> {
+        let scene = self.scene()?;
+        Some(scene.subject().strength(edit.strength)).filter(|wanted| *wanted != scene.strength())
+    }
+
+    /// The edit as the views that are there can draft it: at another strength a lens is as much wider, and an eye as much
+    /// farther out.
+    pub fn drafted(&self, edit: &Edit) -> Edit {
+        let Some(wanted) = self.wanted_strength(edit) else { return *edit };
+        let ratio = wanted.0 / self.strength().0;
+        let at = edit.viewpoint.0;
+        let viewpoint = ViewPoint(ViewOffset { dv: at.dv * ratio, du: at.du * ratio });
+        Edit { f_number: FNumber::adding(edit.f_number.added_views() * ratio), viewpoint, ..*edit }
     }
 
     /// Puts a lens that was turned by hand into the edit it came of. What is in focus stays, unless that was turned.
@@ -222,10 +246,19 @@ impl Open {
         if before == after {
             return;
         }
-        let focus = edit.focus;
-        *edit = edit.with_lens(after, self.width());
-        if before.focus.disparity_px == after.focus.disparity_px {
-            edit.focus = focus;
+        let was = *edit;
+        *edit = was.with_lens(after, self.width(), self.strength());
+        if before.keep_sharp_px == after.keep_sharp_px {
+            edit.keep_sharp = was.keep_sharp;
+        }
+        // What is solved for places has no tilt of its own.
+        let is_solved = matches!(was.focus, Focus::Through(places) if places.all().len() > 1);
+        let is_as_it_was = before.focus.disparity_px == after.focus.disparity_px;
+        if is_as_it_was && (!is_solved || before.focus.tilt_px == after.focus.tilt_px) {
+            edit.focus = was.focus;
+        }
+        if before.focus.tilt_px == after.focus.tilt_px && edit.focus == was.focus {
+            edit.tilt = was.tilt;
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::field::{DisparityMap, Lens, RayDepths, ViewIndex};
+use crate::field::{DisparityMap, Lens, RayDepths, Strength, ViewIndex, ViewPoint};
 use crate::scene::{Edit, Focus, focus};
 
 /// Ray depths with what they say about the scene.
@@ -17,18 +17,26 @@ pub struct Rays {
 }
 
 impl Rays {
-    /// Looks over ray depths. Takes some milliseconds, so it is not for the window's thread.
+    /// Looks over ray depths of strength 1. Takes some milliseconds, so it is not for the window's thread.
     pub fn new(depths: Arc<RayDepths>) -> Self {
+        let subject = focus::subject(&depths.reference_map());
+        Self::about(depths, subject)
+    }
+
+    /// Ray depths of any strength, of which it is known where their subject is.
+    pub fn about(depths: Arc<RayDepths>, subject: [f32; 2]) -> Self {
         let reference = Arc::new(depths.reference_map());
-        let survey = Arc::new(Survey::new(&depths, focus::subject(&reference)));
+        let survey = Arc::new(Survey::new(&depths, subject));
         Self { depths, reference, survey }
     }
 
-    /// The lens of an edit, in pixels of the views' width.
+    /// The lens of an edit while there is no scene yet, in pixels of the views' width.
     pub fn lens(&self, edit: &Edit) -> Lens {
         match edit.focus {
-            Focus::Subject => Edit { focus: Focus::At(self.survey.subject), ..*edit }.lens(&self.reference),
-            _ => edit.lens(&self.reference),
+            Focus::Subject => {
+                Edit { focus: Focus::At(self.survey.subject), ..*edit }.lens(&self.reference, Strength::AS_MADE)
+            }
+            _ => edit.lens(&self.reference, Strength::AS_MADE),
         }
     }
 
@@ -39,6 +47,13 @@ impl Rays {
         let x = place[0] + step.du * disparity_px / w as f32;
         let y = place[1] + step.dv * disparity_px / h as f32;
         [x.clamp(0.0, 1.0), y.clamp(0.0, 1.0)]
+    }
+
+    /// Where a point of the reference view is seen from a viewpoint: the inverse of [`Rays::place_in_reference`].
+    pub fn place_from_reference(&self, eye: ViewPoint, place: [f32; 2]) -> [f32; 2] {
+        let [w, h] = self.depths.size();
+        let disparity_px = self.disparity_at(self.depths.grid().reference(), place);
+        [place[0] - eye.0.du * disparity_px / w as f32, place[1] - eye.0.dv * disparity_px / h as f32]
     }
 
     /// The disparity at a place of a view, x and y from 0 to 1, in pixels per view step.

@@ -15,7 +15,7 @@ use super::open::Open;
 use super::peaking;
 use super::progress::now;
 use super::tiles::{TileSet, Tiled};
-use crate::scene::{Edit, OutputSize};
+use crate::scene::{Edit, OutputSize, Scene};
 
 /// Rest before the picture at rest is asked for.
 const REST_SECS: f64 = 0.2;
@@ -136,6 +136,10 @@ impl AtRest {
         let (scene, grid) = (open.scene()?, open.grid()?);
         let on_screen = look.pose.screen_rect(look.canvas, open.picture_size()?) * pixels_per_point;
         let canvas = look.canvas * pixels_per_point;
+        // A recorded light field is drawn of its views, which are still those of another strength.
+        if scene.subject().photo().is_none() && open.wanted_strength(edit).is_some() {
+            return None;
+        }
         let is_draft_true = edit.shows_photo_itself() || scene.sums_views(edit, OutputSize::Photo);
         let key = RestKey::new(edit, self.generation, scene.subject().size(), on_screen, canvas);
         let is_wanted = look.face == Face::Picture && !is_draft_true;
@@ -154,7 +158,9 @@ impl AtRest {
         let (field, depths) = (seen.open.field()?, &seen.open.rays()?.depths);
         let fits = field.grid() == depths.grid() && field.size() == depths.size();
         let view = seen.open.nearest_view(seen.edit.viewpoint).filter(|_| fits && seen.look.face == Face::Picture)?;
-        Some(PeaksKey { lens: seen.open.lens(seen.edit), view, generation: self.generation })
+        let (lens, strength) =
+            (seen.open.lens(seen.edit), seen.open.scene().map_or_else(Default::default, Scene::strength));
+        Some(PeaksKey { lens, view, strength, generation: self.generation })
     }
 
     /// Marks that belong to what is shown.

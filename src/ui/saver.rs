@@ -8,7 +8,7 @@ use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::job::{Cancel, Job, Progress, Sink, Stage};
 use crate::scene::export::{self, FileExport, Settings, Written};
-use crate::scene::{Edit, Maker, Making, Recipe, Scene, SceneError};
+use crate::scene::{Edit, Maker, Making, Need, Recipe, Scene, SceneError};
 
 /// What is open, as it is seen now.
 pub struct Shown {
@@ -80,11 +80,12 @@ impl Shown {
     fn run(&self, job: &Job) -> Result<Event, SceneError> {
         let Self { scene, edit, settings, target } = self;
         job.advance(Stage::Save, 0, 1)?;
+        let scene = scene.at_strength(edit.strength, &Making::default(), Need::Views, job)?;
         let Some(target) = target else {
             return Ok(Event::Copied(Arc::new(scene.shown(edit, settings.picture.size, job)?)));
         };
         let Some(free) = settings.existing.resolve(target) else { return Ok(Event::Skipped(target.clone())) };
-        export::write(scene, edit, settings, &free, job)?;
+        export::write(&scene, edit, settings, &free, job)?;
         Ok(Event::Saved(free))
     }
 }

@@ -30,6 +30,8 @@ pub struct Settings {
     pub edit: Edit,
     /// What the export dialog said last.
     pub export: export::Settings,
+    /// The sensor that lenses are read on.
+    pub sensor: usize,
     /// Whether the inspector is shown.
     pub has_inspector: bool,
     /// Whether edits are kept beside their photos.
@@ -58,6 +60,7 @@ impl Default for Settings {
             last_file: None,
             edit: Edit::default(),
             export: export::Settings::default(),
+            sensor: 0,
             has_inspector: true,
             keeps_edits: true,
             peaking: false,

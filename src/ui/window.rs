@@ -19,12 +19,14 @@ use super::queue::Queue;
 use super::rest::AtRest;
 use super::settings::Settings;
 use super::sources::{self, Choice};
+use super::strength::Shaping;
 use super::tiles::Tiled;
 use super::toasts::Toasts;
 use super::trust::Tint;
 use super::worker::Outbox;
 use super::workers::Workers;
 use crate::repair::{MOST, Repair, Repairs};
+use crate::scene::real::{KnownLens, known_lenses, published_lenses};
 use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
 use crate::synth::adopt::Shelf;
 use crate::synth::{ModelSource, Scale};
@@ -70,6 +72,8 @@ pub struct Window {
     pub pictures: Option<FieldPictures>,
     /// The photo on the device.
     pub photo: Option<Tiled>,
+    /// The strength that is on its way.
+    pub shaping: Shaping,
     /// What is drawn over the draft.
     pub rest: AtRest,
     /// What is being exported.
@@ -80,6 +84,8 @@ pub struct Window {
     pub dialog: Option<Dialog>,
     /// Small pictures of recent files.
     pub thumbnails: Vec<(PathBuf, egui::TextureHandle)>,
+    /// Lenses that are known by name.
+    pub lenses: Vec<KnownLens>,
     /// Further depth nets that ray depths can come from.
     pub models: Vec<Listed>,
     /// Where the ray depths of what is open come from, as it was chosen for it.
@@ -111,6 +117,9 @@ impl Window {
         remembers: bool,
     ) -> Self {
         let pictures = render.map(FieldPictures::new);
+        let (lenses, broken) = if remembers { known_lenses() } else { (published_lenses(), Vec::new()) };
+        let mut toasts = Toasts::default();
+        broken.iter().for_each(|error| toasts.info(&error.to_string()));
         Self {
             edit: settings.edit,
             settings,
@@ -122,11 +131,13 @@ impl Window {
             tint: Tint::default(),
             repairs: Repairs::default(),
             photo: None,
+            shaping: Shaping::default(),
             rest: AtRest::default(),
             queue: Queue::default(),
-            toasts: Toasts::default(),
+            toasts,
             dialog: None,
             thumbnails: Vec::new(),
+            lenses,
             models: Vec::new(),
             source: DepthFrom::Auto,
             compare: Compare::default(),
@@ -178,6 +189,7 @@ impl Window {
             shelf: self.shelf.clone(),
             // Mended light fields are made of those that are open.
             repairs: Repairs::default(),
+            strength: None,
         }
     }
 

@@ -10,7 +10,7 @@ use super::jobs::Load;
 use super::neighbours::{self, Ahead};
 use super::saver::Order;
 use super::worker::{Outbox, Worker};
-use super::{adding, dialogs, finals, history, jobs, mending, peaking, recents, saver, trust};
+use super::{adding, dialogs, finals, history, jobs, mending, peaking, recents, saver, strength, trust};
 use crate::scene::Maker;
 use crate::synth::cache::Cache;
 
@@ -28,6 +28,8 @@ pub struct Workers {
     pub mender: Worker<mending::Request>,
     /// Finds the pixels of things, for whoever mends.
     pub outliner: Worker<mending::Request>,
+    /// Makes the light field deeper or flatter.
+    pub shaper: Worker<strength::Request>,
     /// Marks edges in focus.
     pub peaker: Worker<peaking::Request>,
     /// Shows the system's dialogs.
@@ -59,6 +61,7 @@ impl Workers {
             truster: Worker::spawn("trust", out(), trust::work),
             mender: Worker::spawn("mend", out(), mending::work),
             outliner: Worker::spawn("outline", out(), mending::work),
+            shaper: Worker::spawn("strength", out(), strength::work),
             peaker: Worker::spawn("peaking", out(), peaking::work),
             asker: Worker::spawn("dialog", out(), dialogs::work),
             folder: Worker::spawn("folder", out(), neighbours::worker(ahead.clone())),

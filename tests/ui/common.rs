@@ -87,6 +87,21 @@ pub fn click(harness: &mut Window, at: Pos2) {
     harness.step();
 }
 
+/// The same with Shift held.
+pub fn shift_click(harness: &mut Window, at: Pos2) {
+    harness.hover_at(at);
+    harness.step();
+    harness.event(Event::ModifiersChanged(Modifiers::SHIFT));
+    harness.step();
+    let (button, modifiers) = (PointerButton::Primary, Modifiers::SHIFT);
+    for pressed in [true, false] {
+        harness.event(Event::PointerButton { pos: at, button, pressed, modifiers });
+        harness.step();
+    }
+    harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    harness.step();
+}
+
 /// A window with the sample's light field, all of it on the device.
 pub fn with_sample(size: [f32; 2]) -> Window {
     try_sample(window(size))

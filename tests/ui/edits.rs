@@ -1,13 +1,14 @@
 //! Edits are undone, kept beside the photo, and found again.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable as _;
-use plenoscope::field::FNumber;
+use plenoscope::field::{FNumber, Strength};
 use plenoscope::scene::{Edit, Focus, Recipe};
 
-use crate::common::{Window, click, has_device, is_made, sample_file, steps, wait, window};
+use crate::common::{Window, button, click, has_device, is_made, sample_file, shift_click, steps, wait, window};
 
 /// Frames after which an edit counts as done: they are a quarter of a second each.
 const SETTLED: usize = 12;
@@ -99,4 +100,84 @@ fn a_recipe_of_version_1_opens_as_it_looked() {
     let lens = harness.state().lens();
     assert_eq!((lens.f_number.0, harness.state().edit().viewpoint.0.du), (2.0, 1.0));
     assert!((lens.focus.disparity_px - 0.25).abs() < 1e-6, "its pixels are those of the views");
+}
+
+#[test]
+fn strength_is_shown_everywhere_and_undone_as_one() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let photo = sample_file(folder.path(), "sample.png");
+    let mut harness = with_photo(&photo);
+    steps(&mut harness, SETTLED);
+    let plain = Arc::clone(harness.state().light_field().expect("it is made"));
+    let center = [0.5, 0.5];
+    let depth = harness.state().focus_depth_px(center).expect("there are ray depths");
+    let before = *harness.state().edit();
+    let deep = Edit { strength: Strength(2.0), ..before };
+    harness.event(egui::Event::Paste(Recipe::default().with_edit(deep).to_json()));
+    steps(&mut harness, SETTLED);
+    wait(&mut harness, "the deeper light field", |app| app.is_at_rest());
+    let now = harness.state().focus_depth_px(center).expect("there are ray depths");
+    assert!((now - 2.0 * depth).abs() < 1e-4, "{depth} became {now}");
+    let shown = Arc::clone(harness.state().light_field().expect("it is made"));
+    assert!(!Arc::ptr_eq(&shown, &plain) && shown.reference() == plain.reference());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    steps(&mut harness, SETTLED);
+    wait(&mut harness, "what was made", |app| app.is_at_rest());
+    assert_eq!(*harness.state().edit(), before);
+    assert!(Arc::ptr_eq(harness.state().light_field().expect("it is made"), &plain));
+}
+
+#[test]
+fn rings_are_set_moved_and_taken_away() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let photo = sample_file(folder.path(), "sample.png");
+    let mut harness = with_photo(&photo);
+    steps(&mut harness, SETTLED);
+    let center = harness.get_by_label("Picture canvas").rect().center();
+    let [first, second, third] = [vec2(-120.0, 60.0), vec2(110.0, -40.0), vec2(20.0, 90.0)].map(|by| center + by);
+    let places = |harness: &Window| match harness.state().edit().focus {
+        Focus::Through(places) => places.all().to_vec(),
+        _ => Vec::new(),
+    };
+    click(&mut harness, first);
+    shift_click(&mut harness, second);
+    let two = places(&harness);
+    assert_eq!(two.len(), 2, "the click before is the first");
+    let lens = harness.state().lens();
+    for place in &two {
+        let depth = harness.state().focus_depth_px(*place).expect("there are ray depths");
+        assert!(lens.defocus_px(depth, place[0], place[1]).abs() < 0.02, "{place:?} is sharp");
+    }
+    shift_click(&mut harness, third);
+    assert_eq!(places(&harness).len(), 3);
+    steps(&mut harness, SETTLED);
+    // The hand takes a ring and not the picture.
+    let viewpoint = harness.state().edit().viewpoint;
+    harness.hover_at(third);
+    harness.step();
+    button(&harness, third, true);
+    harness.step();
+    for part in 1..=4 {
+        harness.hover_at(third + vec2(10.0, 5.0) * part as f32);
+        harness.step();
+    }
+    button(&harness, third + vec2(40.0, 20.0), false);
+    harness.step();
+    let moved = places(&harness);
+    assert!(moved[..2] == two[..] && moved[2][0] > 0.5, "{moved:?}");
+    assert_eq!(harness.state().edit().viewpoint, viewpoint);
+    steps(&mut harness, SETTLED);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    steps(&mut harness, SETTLED);
+    assert_ne!(places(&harness)[2], moved[2], "undone as one");
+    shift_click(&mut harness, first);
+    assert_eq!(places(&harness), [places(&harness)[0], places(&harness)[1]], "a click on a ring takes it away");
+    click(&mut harness, second);
+    assert!(matches!(harness.state().edit().focus, Focus::At(_)));
 }

@@ -35,8 +35,10 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
     let subject = how.open(&args.input, job)?;
     let scene = how.scene(&subject, &input::maker(&args.synth), args.kind.need(settings.size()), job)?;
     let edit = how.edit(&lens_args::asked(&args.lens), &scene)?;
-    let edit = match (args.kind, args.lens.f_number, how.recipe()) {
-        (Kind::Animation, None, None) => Edit { f_number: args.motion.usual_f_number(), ..edit },
+    let edit = lens_args::further(&args.lens, edit, &scene, scene.picture_size(settings.size())[0], job)?;
+    let is_named = args.lens.f_number.is_some() || args.lens.as_lens.is_some() || how.recipe().is_some();
+    let edit = match (args.kind, is_named) {
+        (Kind::Animation, false) => Edit { f_number: args.motion.usual_f_number(), ..edit },
         _ => edit,
     };
     if args.kind.spec().group == Group::LightField {

@@ -33,6 +33,7 @@ pub fn how(args: &SynthArgs, recipe: Option<&Path>) -> Result<How> {
         scale: args.depth_scale,
         models: model_source(args.models.as_deref()),
         shelf: Shelf::user(),
+        strength: args.strength,
         ..Making::default()
     };
     Ok(How::new(making, own_map.map(|map| GivenDepth::Disparity(Arc::new(map))), recipe))

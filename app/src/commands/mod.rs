@@ -8,6 +8,7 @@ mod export;
 mod info;
 mod input;
 mod lens_args;
+mod lenses;
 mod models;
 mod output;
 mod pages;
@@ -43,6 +44,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
         Some(Command::Bench(args)) => bench::run(&args, &job),
         Some(Command::Info(args)) => info::run(&args, &job),
         Some(Command::Models(args)) => models::run(&args, &job),
+        Some(Command::Lenses(args)) => lenses::run(&args, &job),
         Some(Command::Sample(args)) => sample::run(&args, &job),
         Some(Command::Completions { shell }) => pages::completions(shell),
         Some(Command::Icons { output }) => pages::icons(&output),

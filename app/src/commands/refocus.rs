@@ -6,10 +6,13 @@ use plenoscope::io::save::{self, PictureOptions};
 use plenoscope::job::Job;
 use plenoscope::scene::asked::{self, Asked};
 use plenoscope::scene::export;
+use plenoscope::scene::real::{FORMATS, Reading};
+use serde::Serialize;
 
 use super::output::output;
 use super::{input, lens_args};
 use crate::cli::Refocus;
+use crate::output::say_json;
 
 /// Renders the picture and writes it.
 pub fn run(args: &Refocus, job: &Job) -> Result<()> {
@@ -18,7 +21,20 @@ pub fn run(args: &Refocus, job: &Job) -> Result<()> {
     let how = input::how(&args.synth, args.recipe.as_deref())?;
     let subject = how.open(&args.input, job)?;
     let Asked { scene, edit, settings } = asked(args).of(&subject, &how, &input::maker(&args.synth), job)?;
-    Ok(export::write(&scene, &edit, &settings, &args.output, job)?)
+    let width = scene.picture_size(settings.size())[0];
+    let edit = lens_args::further(&args.lens, edit, &scene, width, job)?;
+    export::write(&scene, &edit, &settings, &args.output, job)?;
+    let reading = scene.reading(&edit, &FORMATS[args.sensor], width);
+    log::info!("{}: {}", reading.title(), reading.lines().join(", "));
+    if args.json { say_json(&Answer { f_number: edit.f_number.0, reading }) } else { Ok(()) }
+}
+
+/// What is printed: the slider's f-number, and the lens in numbers of a real one.
+#[derive(Serialize)]
+struct Answer {
+    f_number: f32,
+    #[serde(rename = "real_lens")]
+    reading: Reading,
 }
 
 /// The picture that the arguments ask for.

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plenoscope::field::{FNumber, ViewOffset, ViewPoint};
+use plenoscope::field::{FNumber, Strength, ViewOffset, ViewPoint};
 use plenoscope::io::save::Keep;
 use plenoscope::scene::recipe::PictureSettings;
 use plenoscope::scene::{Edit, Focus, Recipe};
@@ -61,6 +61,11 @@ fn cases(picture: [u32; 2], map_width: u32) -> Vec<Case> {
             "kept sharp",
             &plus(lens(1.4, d), "--keep-sharp", format!("{low}..{high}")),
             Edit { keep_sharp, ..at_plane(1.4, d) },
+        ),
+        case(
+            "flatter",
+            &plus(lens(2.0, d), "--strength", "0.5".to_owned()),
+            Edit { strength: Strength(0.5), ..at_plane(2.0, d) },
         ),
         case("by place", &by_place, Edit { f_number: FNumber(2.0), focus: Focus::At(share), ..Edit::default() }),
     ]

@@ -113,6 +113,113 @@ fn series_are_made_and_the_lens_stands_where_it_is_put() {
 }
 
 #[test]
+fn strength_is_the_same_through_every_command() {
+    let dir = sample();
+    let made = |command: &str, rest: &[&str], name: &str| {
+        let out = dir.arg(name);
+        on_sample(&dir, command, &[rest, &["-o", &out]].concat()).success().stdout("").stderr("");
+        dir.arg(name)
+    };
+    let deep = made("depth", &["--strength", "2"], "deep.pfm");
+    let plain = ["depth", &dir.arg("sample.png"), "--disparity", &deep, "-o", &dir.arg("same.pfm")];
+    plenoscope(&plain).assert().success();
+    assert_eq!(fs::read(&deep).unwrap(), fs::read(dir.path("same.pfm")).unwrap());
+    // Typed numbers are those of strength 1; the map of a strength is a map like any other.
+    let lens = ["--strength", "2", "--focus-disparity", "0.25", "--tilt", "0.5,0", "--f-number", "5"];
+    let by_strength = made("refocus", &lens, "strength.png");
+    let lens = ["--focus-disparity", "0.5", "--tilt", "1,0", "--f-number", "5", "--disparity", &deep];
+    let by_map = dir.arg("map.png");
+    plenoscope(&[&["refocus", &dir.arg("sample.png"), "-o", &by_map], &lens[..]].concat()).assert().success();
+    assert_eq!(fs::read(by_strength).unwrap(), fs::read(by_map).unwrap());
+    // What `synth` writes is what `view`, `epi` and `depth` see.
+    let field = made("synth", &["--strength", "2"], "deep");
+    for (command, rest) in [
+        ("view", ["--at", "-2,1"]),
+        ("epi", ["--row", "40"]),
+        ("depth", ["--view", "0,7"]),
+        ("depth", ["--view", "4,4"]),
+    ] {
+        let (own, of_field) =
+            (made(command, &[&rest[..], &["--strength", "2"]].concat(), "own.png"), dir.arg("field.png"));
+        plenoscope(&[&[command, &field, "-o", &of_field], &rest[..]].concat()).assert().success();
+        let [own, of_field] = [own, of_field].map(|path| image::open(path).unwrap());
+        let apart = own.as_bytes().iter().zip(of_field.as_bytes()).map(|(a, b)| a.abs_diff(*b)).max();
+        // A map in 16 bits is spread over its own range.
+        assert!(own.dimensions() == of_field.dimensions() && (command == "depth" || apart == Some(0)), "{command}");
+    }
+}
+
+#[test]
+fn places_are_kept_sharp_and_the_lens_is_told() {
+    let dir = sample();
+    let refocus = |name: &str, rest: &[&str]| {
+        let out = dir.arg(name);
+        let said = on_sample(&dir, "refocus", &[&["--json", "-o", &out], rest].concat()).success().stderr("");
+        serde_json::from_slice::<serde_json::Value>(&said.get_output().stdout).unwrap()
+    };
+    // One place is a click; values may stand together or apart, before other options.
+    refocus("click.png", &["--focus", "514,340", "--f-number", "2"]);
+    refocus("one.png", &["--keep-sharp", "514,340", "--f-number", "2"]);
+    assert_eq!(fs::read(dir.path("click.png")).unwrap(), fs::read(dir.path("one.png")).unwrap());
+    let solved = refocus("together.png", &["--keep-sharp", "514,340", "200,300", "--quality", "90"]);
+    refocus("apart.png", &["--keep-sharp", "514,340", "--keep-sharp", "200,300"]);
+    assert_eq!(fs::read(dir.path("together.png")).unwrap(), fs::read(dir.path("apart.png")).unwrap());
+    assert!(solved["f_number"].as_f64().unwrap() < 28.0, "{solved}");
+    assert_eq!(solved["real_lens"]["scale"], "relative");
+    assert!(solved["real_lens"]["focus_m"].is_null() && solved["real_lens"]["background_px"].is_number());
+    let known = refocus("known.png", &["--focus", "514,340", "--distance", "60cm", "--sensor", "mft"]);
+    assert!((known["real_lens"]["focus_m"].as_f64().unwrap() - 0.6).abs() < 1e-3, "{known}");
+    assert_eq!(known["real_lens"]["format"], "Micro Four Thirds");
+    for wrong in [
+        &["--keep-sharp", "1,1", "2,2", "3,3", "4,4"][..],
+        &["--keep-sharp", "1,1", "--keep-sharp", "-0.2..0.2"],
+        &["--keep-sharp", "10,10", "--focus", "5,5"],
+        &["--keep-sharp", "9999,1"],
+        &["--distance", "0m"],
+        &["--distance", "far"],
+        &["--as-lens", "kit"],
+    ] {
+        on_sample(&dir, "refocus", &[&["-o", &dir.arg("wrong.png")], wrong].concat()).code(2).stdout("");
+        assert!(!dir.path("wrong.png").exists(), "{wrong:?}");
+    }
+}
+
+#[test]
+fn a_lens_of_ones_own_is_taken_and_nonsense_is_one_sentence() {
+    let dir = sample();
+    let lens = |text: &str| {
+        fs::write(dir.path("lens.toml"), text).unwrap();
+        let args = ["--as-lens", &dir.arg("lens.toml"), "--focus", "514,340", "--json", "-o", &dir.arg("o.png")];
+        on_sample(&dir, "refocus", &args)
+    };
+    // No focal length is known of the sample: 28 mm are assumed, and the same aperture is f/4 there.
+    let said = lens("name = \"Tele\"\nfocal_mm = 56\nf_numbers = [8, 16]").success();
+    let said: serde_json::Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+    assert!((said["f_number"].as_f64().unwrap() - 4.0).abs() < 1e-3, "{said}");
+    let refused = contains("this lens cannot be used").and(contains("lens.toml"));
+    lens("name = 5").code(2).stderr(refused);
+    let list = json(&["lenses", "--json"]);
+    assert!(list["lenses"].as_array().unwrap().iter().any(|lens| lens["id"] == "helios-44-2-58-f2"), "{list}");
+}
+
+#[test]
+fn what_was_recorded_is_made_flatter_but_not_deeper() {
+    let dir = sample();
+    on_sample(&dir, "synth", &["-o", &dir.arg("field")]).success();
+    let depth = |strength: &str, name: &str| {
+        let args = ["depth", &dir.arg("field"), "--strength", strength, "-o", &dir.arg(name)];
+        let said = plenoscope(&args).assert().success().stdout("");
+        (fs::read(dir.path(name)).unwrap(), String::from_utf8_lossy(&said.get_output().stderr).into_owned())
+    };
+    let (plain, nothing) = depth("1", "plain.pfm");
+    let (deep, said) = depth("3", "deep.pfm");
+    assert!(plain == deep && nothing.is_empty() && said.contains("strength is 1 at most"), "{said}");
+    let (flat, nothing) = depth("0.5", "flat.pfm");
+    assert!(plain != flat && nothing.is_empty());
+    on_sample(&dir, "view", &["--at", "0,0", "--strength", "9", "-o", &dir.arg("v.png")]).code(2);
+}
+
+#[test]
 fn the_input_is_not_written_over() {
     let dir = sample();
     let before = fs::read(dir.path("sample.png")).unwrap();

@@ -35,7 +35,7 @@ impl WindowExport {
             threads: 1,
             restores_last: false,
         };
-        let harness = Harness::builder().with_size(egui::vec2(1200.0, 1500.0)).with_max_steps(16).wgpu().build_eframe(
+        let harness = Harness::builder().with_size(egui::vec2(1200.0, 1900.0)).with_max_steps(16).wgpu().build_eframe(
             move |creation| App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), None),
         );
         let mut window = Self(harness);

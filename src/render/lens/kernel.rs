@@ -6,10 +6,15 @@
 use std::f32::consts::PI;
 use std::sync::OnceLock;
 
-use crate::field::LensShape;
+use crate::field::{Glass, LensShape};
 
 /// Sub-rows by which shapes other than the disc are measured.
 const SUB_ROWS: usize = 4;
+/// Light that spherical aberration brings from the middle of a disc to its rim at most, as a part of all.
+const MOST_SPHERICAL: f32 = 0.8;
+/// A disc of uneven light is a sum of even ones, so many pixels of diameter apart, and so many at most.
+const RING_PX: f32 = 1.5;
+const MOST_RINGS: usize = 24;
 /// Corners of the polygon that stands for a rounded opening.
 const CORNERS: usize = 180;
 
@@ -33,6 +38,22 @@ impl Span {
             (column as i32, [weight * part, weight * (1.0 - part)])
         };
         Self { dy, begin: step(left), end: step(right) }
+    }
+
+    /// The same with more or less light.
+    fn times(&self, times: f32) -> Self {
+        let scaled = |(at, parts): (i32, [f32; 2])| (at, parts.map(|part| part * times));
+        Self { dy: self.dy, begin: scaled(self.begin), end: scaled(self.end) }
+    }
+
+    /// The same light on a part of the width.
+    fn narrowed(&self, part: f32) -> Self {
+        let weight = self.begin.1[0] + self.begin.1[1];
+        let place = |(column, [first, _]): (i32, [f32; 2])| column as f32 + 0.5 - first / weight;
+        if weight == 0.0 {
+            return *self;
+        }
+        Self::new(self.dy, place(self.begin) * part, place(self.end) * part, weight / part)
     }
 }
 
@@ -77,6 +98,35 @@ impl Kernel {
                 Self::outline(&cat_eye(radius, place.map(|p| side * p * strength.clamp(0.0, 1.0))))
             }
         }
+    }
+
+    /// As [`new`](Self::new), with a lens's faults.
+    ///
+    /// Spherical aberration gives the disc the light `1 + a·(2r² − 1)` at a part `r` of its radius. That is a sum of even
+    /// discs: one of the whole radius with `1 + a` of the light, and one of each part `t` of it with `−4a·t³ dt`. The same
+    /// holds for every opening that its smaller self lies within; a mirror lens, whose hole would be filled, has none.
+    pub fn through(glass: &Glass, shape: LensShape, diameter_px: f32, flipped: bool, place: [f32; 2]) -> Self {
+        let side = if flipped { 1.0 } else { -1.0 };
+        let light = side * MOST_SPHERICAL * glass.spherical.clamp(-1.0, 1.0);
+        let has_hole = matches!(shape, LensShape::Ring { .. });
+        let rings = if has_hole { 0 } else { ((diameter_px / RING_PX) as usize).min(MOST_RINGS) };
+        let mut kernel = Self::new(shape, diameter_px, flipped, place);
+        if light != 0.0 && rings > 1 {
+            let mut spans = Vec::new();
+            let mut add = |kernel: &Self, times: f32| spans.extend(kernel.spans.iter().map(|span| span.times(times)));
+            let part = |ring: usize| (ring as f32 + 0.5) / rings as f32;
+            let share = |ring: usize| -4.0 * light * part(ring).powi(3) / rings as f32;
+            add(&kernel, 1.0 - (0..rings).map(share).sum::<f32>());
+            for ring in 0..rings {
+                add(&Self::new(shape, diameter_px * part(ring), flipped, place), share(ring));
+            }
+            spans.sort_by_key(|span: &Span| span.dy);
+            kernel = Self::of(spans);
+        }
+        if glass.anamorphic > 0.0 {
+            kernel = Self::of(kernel.spans.iter().map(|span| span.narrowed(glass.narrow())).collect());
+        }
+        kernel
     }
 
     fn ring(radius: f32, inner: f32) -> Self {
@@ -218,6 +268,7 @@ pub const PLACES: usize = 48;
 /// All kernels of a lens, made when first needed.
 pub struct Kernels {
     shape: LensShape,
+    glass: Glass,
     size: [f32; 2],
     per_place: usize,
     table: Vec<OnceLock<Kernel>>,
@@ -225,7 +276,13 @@ pub struct Kernels {
 
 impl Kernels {
     /// Kernels up to a diameter, for a picture of a size.
-    pub fn new(shape: LensShape, largest_px: f32, size: [u32; 2]) -> Self {
+    pub fn new(shape: LensShape, glass: Glass, largest_px: f32, size: [u32; 2]) -> Self {
+        let shape = match shape {
+            // A swirl is cut by the barrel too.
+            LensShape::Disc if glass.swirl > 0.0 => LensShape::CatEye { strength: glass.swirl },
+            LensShape::CatEye { strength } => LensShape::CatEye { strength: strength.max(glass.swirl) },
+            other => other,
+        };
         let shape = match shape {
             LensShape::CatEye { strength } if strength <= 0.0 => LensShape::Disc,
             other => other,
@@ -233,7 +290,13 @@ impl Kernels {
         let places = if matches!(shape, LensShape::CatEye { .. }) { PLACES * PLACES } else { 1 };
         let per_place = 2 * (index_of(largest_px) + 2);
         let table = std::iter::repeat_with(OnceLock::new).take(places * per_place).collect();
-        Self { shape, size: size.map(|s| s as f32), per_place, table }
+        Self { shape, glass, size: size.map(|s| s as f32), per_place, table }
+    }
+
+    /// Part of the diameter that is the finest in the lens's shape: 1, less for a ring's wall and for narrow discs.
+    pub fn finest(&self) -> f32 {
+        let wall = if let LensShape::Ring { inner } = self.shape { 1.0 - inner.clamp(0.0, 0.9) } else { 1.0 };
+        wall * self.glass.narrow()
     }
 
     /// The kernel for a point at `(x, y)` of the picture.
@@ -250,7 +313,11 @@ impl Kernels {
             let diagonal = self.size[0].hypot(self.size[1]);
             let place = [middle(px, self.size[0] / diagonal), middle(py, self.size[1] / diagonal)];
             let diameter = diameter_at(index);
-            if diameter < 0.05 { Kernel::point() } else { Kernel::new(self.shape, diameter, flipped, place) }
+            if diameter < 0.05 {
+                Kernel::point()
+            } else {
+                Kernel::through(&self.glass, self.shape, diameter, flipped, place)
+            }
         })
     }
 }
@@ -298,6 +365,58 @@ mod tests {
                 let sum: f32 = rows.iter().flatten().sum();
                 assert!((sum - 1.0).abs() < 1e-3, "{shape:?} {diameter}: {sum}");
                 assert!(rows.iter().flatten().all(|&v| v > -1e-4), "{shape:?} {diameter}");
+            }
+        }
+    }
+
+    /// Many faults of all kinds.
+    fn faults() -> impl Iterator<Item = Glass> {
+        let all = [-1.0, -0.4, 0.0, 0.5, 1.0];
+        let of = move |i: usize| Glass { spherical: all[i % 5], anamorphic: all[2 + i % 3], ..Glass::PLAIN };
+        (0..15).map(of)
+    }
+
+    #[test]
+    fn faults_make_no_light_and_lose_none() {
+        for (shape, glass) in all_shapes().into_iter().flat_map(|shape| faults().map(move |glass| (shape, glass))) {
+            for diameter in [0.1, 2.3, 7.9, 20.5, 61.0] {
+                let rows = drawn(&Kernel::through(&glass, shape, diameter, true, [0.6, -0.6]), 40);
+                let sum: f32 = rows.iter().flatten().sum();
+                assert!((sum - 1.0).abs() < 2e-3, "{shape:?} {glass:?} {diameter}: {sum}");
+                let even = 4.0 / (PI * diameter * diameter).max(1.0);
+                let least = rows.iter().flatten().copied().fold(f32::MAX, f32::min);
+                assert!(least > -0.05 * even, "{shape:?} {glass:?} {diameter}: {least} of {even}");
+            }
+        }
+    }
+
+    #[test]
+    fn anamorphic_discs_are_as_tall_as_round_ones_and_as_much_narrower_as_asked() {
+        for (anamorphic, diameter) in [(0.33, 30.0f32), (1.0, 30.0), (1.0, 61.0)] {
+            let glass = Glass { anamorphic, ..Glass::PLAIN };
+            let rows = drawn(&Kernel::through(&glass, LensShape::Disc, diameter, false, [0.0; 2]), 40);
+            let inside = rows[40][40];
+            let across: f32 = rows[40].iter().sum::<f32>() / inside;
+            let down: f32 = rows.iter().map(|row| row[40]).sum::<f32>() / inside;
+            assert!((down - diameter).abs() < 0.6, "{anamorphic}: {down}");
+            assert!((across - diameter / (1.0 + anamorphic)).abs() < 0.6, "{anamorphic}: {across}");
+        }
+    }
+
+    #[test]
+    fn spherical_aberration_brightens_the_rim_behind_the_focus_and_the_middle_before_it() {
+        for spherical in [-1.0, -0.5, 0.5, 1.0] {
+            for flipped in [false, true] {
+                let glass = Glass { spherical, ..Glass::PLAIN };
+                let rows = drawn(&Kernel::through(&glass, LensShape::Disc, 60.0, flipped, [0.0; 2]), 40);
+                let light = if flipped { spherical } else { -spherical } * MOST_SPHERICAL;
+                let even = 4.0 / (PI * 60.0 * 60.0);
+                for part in [0.1f32, 0.5, 0.8] {
+                    let got = rows[40][40 + (part * 30.0) as usize] / even;
+                    let at = (part * 30.0).floor() / 30.0;
+                    let want = 1.0 + light * (2.0 * at * at - 1.0);
+                    assert!((got - want).abs() < 0.09, "{spherical} {flipped} at {part}: {got} for {want}");
+                }
             }
         }
     }

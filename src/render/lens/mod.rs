@@ -193,6 +193,8 @@ impl Prepared {
         mut take: impl FnMut(&[f32]),
     ) -> Result<(), LensError> {
         let optics = self.optics(lens);
+        let magenta = lens.magenta();
+        let magenta = magenta.as_ref().map(|lens| self.optics(lens));
         let grain = grain::Grain::of(&self.light, lens.grain);
         let side = tile_side(optics.reach);
         let [width, height] = region.size;
@@ -207,7 +209,7 @@ impl Prepared {
                 .map(|&left| {
                     let size = [side.min(width - left), rows];
                     let tile = Region { at: [region.at[0] + left, region.at[1] + top], size };
-                    (left, self.tile(&optics, tile, &grain))
+                    (left, self.tile(&optics, magenta.as_ref(), tile, &grain))
                 })
                 .collect();
             job.check()?;
@@ -216,7 +218,8 @@ impl Prepared {
         Ok(job.advance(Stage::Refocus, tops.len() as u32, tops.len() as u32)?)
     }
 
-    fn tile(&self, optics: &Optics, tile: Region, grain: &grain::Grain) -> Vec<f32> {
+    /// A tile through the lens; red and blue through another, where they are sharp elsewhere.
+    fn tile(&self, optics: &Optics, magenta: Option<&Optics>, tile: Region, grain: &grain::Grain) -> Vec<f32> {
         let mut out = vec![0.0; (tile.size[0] * tile.size[1] * 3) as usize];
         if optics.gain == 0.0 {
             let width = tile.size[0] as usize;
@@ -228,6 +231,12 @@ impl Prepared {
             return out;
         }
         tile::render(self, optics, tile, &mut out);
+        if let Some(magenta) = magenta {
+            let mut other = vec![0.0; out.len()];
+            tile::render(self, magenta, tile, &mut other);
+            let pixels = out.chunks_exact_mut(3).zip(other.chunks_exact(3));
+            pixels.for_each(|(pixel, other)| (pixel[0], pixel[2]) = (other[0], other[2]));
+        }
         grain.add(self, optics, tile, &mut out);
         out
     }
@@ -235,11 +244,12 @@ impl Prepared {
     fn optics<'a>(&self, lens: &'a Lens) -> Optics<'a> {
         let scale = self.size[0] as f32 / self.surfaces.map_size()[0] as f32;
         let gain = lens.f_number.added_views() * scale;
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        // The farthest from what is sharp lies in a corner, or in the middle of a curved surface.
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
         let blurs =
             self.surfaces.range_px().into_iter().flat_map(|d| corners.map(|[x, y]| lens.defocus_px(d, x, y).abs()));
         let widest = gain * blurs.fold(0.0, f32::max);
-        let kernels = Kernels::new(lens.shape, widest, self.size);
+        let kernels = Kernels::new(lens.shape, lens.glass, widest, self.size);
         Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, size: self.size }
     }
 }

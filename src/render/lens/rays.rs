@@ -5,7 +5,6 @@
 //! a grid that much coarser: wide blurs cost less, not more. Blocks lie on a grid of the whole picture, so tiles agree.
 
 use super::kernel::index_of;
-use crate::field::LensShape;
 
 /// Levels of coarseness: cells of 1, 2, 4, 8 and 16 pixels.
 pub(super) const LEVELS: usize = 5;
@@ -67,14 +66,13 @@ pub(super) struct Slices {
     pub(super) rays: Vec<[Vec<Ray>; LEVELS]>,
     at: [i32; 2],
     size: [i32; 2],
-    /// Part of the diameter that is the finest in the lens's shape: 1, less for a ring's wall.
+    /// Part of the diameter that is the finest in the lens's shape (see [`Kernels::finest`](super::kernel::Kernels::finest)).
     finest: f32,
 }
 
 impl Slices {
-    pub(super) fn new(at: [i32; 2], size: [i32; 2], shape: LensShape) -> Self {
+    pub(super) fn new(at: [i32; 2], size: [i32; 2], finest: f32) -> Self {
         let empty = || std::array::from_fn(|_| Vec::new());
-        let finest = if let LensShape::Ring { inner } = shape { 1.0 - inner.clamp(0.0, 0.9) } else { 1.0 };
         Self { rays: std::iter::repeat_with(empty).take(2 * MIDDLE as usize + 1).collect(), at, size, finest }
     }
 
@@ -174,7 +172,7 @@ mod tests {
     use super::*;
 
     fn sent(piece: impl Fn(usize, usize) -> Piece) -> Vec<(usize, Ray)> {
-        let mut slices = Slices::new([0, 0], [16, 16], LensShape::Disc);
+        let mut slices = Slices::new([0, 0], [16, 16], 1.0);
         let mut block: Vec<Piece> = (0..BLOCK * BLOCK).map(|i| piece(i % BLOCK, i / BLOCK)).collect();
         slices.send_block([0, 0], &mut block);
         let with_level = |lists: [Vec<Ray>; LEVELS]| {

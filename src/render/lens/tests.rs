@@ -481,3 +481,56 @@ fn grain_and_highlights_are_off_unless_asked_for() {
     assert!(at(&shot(1.0, 0.0), 32, 32)[1] > at(&plain, 32, 32)[1] * 1.2);
     assert_eq!(at(&shot(1.0, 0.0), 8, 8), at(&plain, 8, 8));
 }
+
+#[test]
+fn a_lens_without_faults_is_the_same_picture() {
+    let size = [90, 60];
+    let (photo, map) = (noise_photo(size), map(size, |x, y| if x > 40.0 { 0.8 } else { y / 60.0 - 0.9 }));
+    let plain = focused(0.1);
+    let none = Lens { glass: crate::field::Glass { spherical: 0.0, ..Default::default() }, curve_px: 0.0, ..plain };
+    assert_eq!(take(&photo, map.clone(), &plain), take(&photo, map, &none));
+}
+
+/// Light of a white dot in the middle, by channel, and how far it is spread from there in the mean.
+fn spread_of_dot(disparity_px: f32, lens: &Lens) -> [[f32; 2]; 3] {
+    let side = 101usize;
+    let dot = photo([side as u32; 2], |x, y| [f32::from(x == 50.0 && y == 50.0); 3]);
+    let out = take(&dot, DisparityMap::constant([side as u32; 2], disparity_px), lens);
+    std::array::from_fn(|c| {
+        let all = (0..side * side).map(|i| ((i % side) as f32, (i / side) as f32));
+        let light = all.map(|(x, y)| (at(&out, x as usize, y as usize)[c], (x - 50.0).hypot(y - 50.0)));
+        let (sum, far) = light.fold((0.0, 0.0), |(sum, far), (light, r)| (sum + light, far + light * r));
+        [sum, far / sum]
+    })
+}
+
+#[test]
+fn fringes_are_green_behind_the_focus_and_magenta_before_it() {
+    let lens = Lens { fringes_px: 0.4, ..focused(0.0) };
+    for (disparity_px, is_behind) in [(-3.0, true), (3.0, false)] {
+        let [red, green, blue] = spread_of_dot(disparity_px, &lens);
+        assert!((red[0] - 1.0).abs() < 0.01 && (green[0] - 1.0).abs() < 0.01, "no light is lost");
+        assert_eq!(red, blue);
+        let wider = green[1] / red[1];
+        // Behind by 3 the red disc is 2.6 wide, before by 3 it is 3.4.
+        let want = if is_behind { 3.0 / 2.6 } else { 3.0 / 3.4 };
+        assert!((wider - want).abs() < 0.03, "{disparity_px}: {wider} for {want}");
+    }
+}
+
+#[test]
+fn a_curved_surface_is_sharp_in_the_middle_and_blurs_the_corners() {
+    let lens = Lens { curve_px: 0.5, ..focused(0.0) };
+    assert_eq!(lens.defocus_px(0.0, 0.5, 0.5), 0.0);
+    assert!((lens.defocus_px(0.0, 0.0, 1.0) + 0.5).abs() < 1e-6 && (lens.defocus_px(0.5, 1.0, 1.0)).abs() < 1e-6);
+    let size = [120, 120];
+    let (photo, flat) = (noise_photo(size), DisparityMap::constant(size, 0.0));
+    let out = take(&photo, flat, &lens);
+    let apart = |x: usize, y: usize| {
+        let own = take(&photo, DisparityMap::constant(size, 0.0), &focused(0.0));
+        (at(&out, x, y)[1] - at(&own, x, y)[1]).abs()
+    };
+    assert!(apart(60, 60) < STEP, "{}", apart(60, 60));
+    let corner: f32 = [(3, 3), (116, 4), (5, 115)].iter().map(|(x, y)| apart(*x, *y)).fold(0.0, f32::max);
+    assert!(corner > 10.0 * STEP, "{corner}");
+}

@@ -64,7 +64,7 @@ fn gather(picture: &Prepared, optics: &Optics, region: Region) -> Slices {
     let to = [0, 1].map(|a| (region.at[a] + region.size[a]) as i32 + optics.reach);
     let count = ((to[0] - from[0]) as usize).next_multiple_of(BLOCK);
     let [at, size] = [region.at, region.size].map(|pair| pair.map(|v| v as i32));
-    let mut slices = Slices::new(at, size, optics.lens.shape);
+    let mut slices = Slices::new(at, size, optics.kernels.finest());
     let reader = picture.reader(from[0], count);
     let mut colors = vec![[0.0; 3]; count * BLOCK];
     let mut before = [Piece::default(); BLOCK * BLOCK];

@@ -37,6 +37,7 @@ impl LensAsked {
     /// A focus outside the picture.
     pub fn edit(&self, mut edit: Edit, scene: &Scene) -> Result<Edit, Usage> {
         let share = |px: f32| px / scene.map().size()[0] as f32;
+        edit.strength = scene.strength();
         edit.f_number = self.f_number.unwrap_or(edit.f_number);
         edit.shape = self.shape.unwrap_or(edit.shape);
         edit.highlights = self.highlights.unwrap_or(edit.highlights);
@@ -49,7 +50,7 @@ impl LensAsked {
             (None, None, None) => edit.focus,
         };
         if let Some([lo, hi]) = self.keep_sharp_px {
-            let plane_px = scene.lens(&edit).focus.disparity_px;
+            let plane_px = scene.lens(&edit).focus.disparity_px / scene.strength().0;
             edit.keep_sharp = [share((lo - plane_px).min(0.0)), share((hi - plane_px).max(0.0))];
         }
         Ok(edit)
@@ -57,7 +58,10 @@ impl LensAsked {
 }
 
 /// A pixel of the picture as a place from 0 to 1.
-fn place([x, y]: [f32; 2], picture: [u32; 2]) -> Result<[f32; 2], Usage> {
+///
+/// # Errors
+/// It lies outside.
+pub fn place([x, y]: [f32; 2], picture: [u32; 2]) -> Result<[f32; 2], Usage> {
     let is_inside = |at: f32, side: u32| (-0.5..side as f32 - 0.5).contains(&at);
     if !(is_inside(x, picture[0]) && is_inside(y, picture[1])) {
         let (right, bottom) = (picture[0] - 1, picture[1] - 1);

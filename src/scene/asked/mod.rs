@@ -10,7 +10,7 @@ mod values;
 
 pub use cuts::{Line, depth, depth_need, epi, view, view_index};
 pub use how::How;
-pub use lens::LensAsked;
+pub use lens::{LensAsked, place};
 pub use output::{Output, check_is_photo, field_format, field_formats, field_target, make_folder};
 pub use refocus::{Asked, Refocus};
 pub use values::{

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use crate::field::Strength;
 use crate::io::formats::depth_map::GivenDepth;
 use crate::scene::{DepthFrom, Making, Recipe};
 use crate::shard::Shard;
@@ -112,10 +113,14 @@ impl Order {
     /// What its pictures are known by: recipe, nets, and how depth is made.
     pub(super) fn key(&self) -> String {
         // Repairs come with the recipe.
-        let Making { long_side, occlusion, source, scale, models, shelf, threads: _, repairs: _ } = &self.making;
+        let Making { long_side, occlusion, source, scale, models, shelf, strength, threads: _, repairs: _ } =
+            &self.making;
         let mut hash = Sha256::new();
         hash.update(self.recipe.to_json());
         hash.update(format!("{long_side} {occlusion} {source:?} {scale:?} {:?}", self.own_map));
+        if let Some(Strength(strength)) = strength {
+            hash.update(format!("{strength}"));
+        }
         let index = models.index().ok();
         let depth = index.as_ref().and_then(|pair| models.manifest(&pair.depth, Task::RayDepth).ok());
         let occlusion =
@@ -186,6 +191,7 @@ mod tests {
             key(2.0, Making { long_side: 360, ..making() }),
             key(2.0, Making { source: DepthFrom::Network, ..making() }),
             key(2.0, Making { scale: crate::synth::Scale::Lytro, ..making() }),
+            key(2.0, Making { strength: Some(Strength(2.0)), ..making() }),
             key(2.0, Making { models: crate::synth::ModelSource::Folder("none".into()), ..making() }),
         ];
         assert!(others.iter().all(|other| *other != key(2.0, making())), "{others:?}");

@@ -134,7 +134,7 @@ fn depth(scene: &Scene, kind: Kind, target: &Path, job: &Job) -> Result<(), Scen
 fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
     let MadeViews { field, depths } = scene.views().ok_or(SceneError::NoViews)?;
     // A dark light field is shown brighter, and written as it is.
-    let stored = scene.subject().recorded().map_or(field, |recorded| recorded.as_stored());
+    let stored = &scene.stored(job)?;
     let models: Vec<_> = scene.models().iter().map(|model| (model.id.clone(), model.sha256.clone())).collect();
     let photo = scene.subject().photo().map(AsRef::as_ref);
     let source = FieldToWrite { field: stored, depths: Some(depths), photo, models: &models };

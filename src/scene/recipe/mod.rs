@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{DepthFrom, Edit, Focus, OutputSize, source};
-use crate::field::ViewPoint;
+use crate::field::{Strength, ViewPoint};
 use crate::io::save::{Format, Keep, SaveError, atomic};
 use crate::repair::Repairs;
 
@@ -112,6 +112,14 @@ impl Recipe {
         }
     }
 
+    /// How deep the scene is.
+    pub fn strength(&self) -> Strength {
+        match &self.body {
+            Body::Shares(edit) => edit.strength,
+            Body::Pixels(_) => Strength::AS_MADE,
+        }
+    }
+
     /// The same recipe with another edit.
     #[must_use]
     pub fn with_edit(self, edit: Edit) -> Self {
@@ -163,18 +171,21 @@ impl Recipe {
         let is_share = |n: f32| (0.0..=1.0).contains(&n);
         let place_is_inside = match edit.focus {
             Focus::At(place) => place.into_iter().all(is_share),
-            Focus::Subject | Focus::Disparity(_) => true,
+            // Places that lie outside are not read.
+            Focus::Subject | Focus::Disparity(_) | Focus::Through(_) => true,
         };
         let checks = [
             ("f_number", (0.5..=64.0).contains(&edit.f_number.0)),
+            ("strength", edit.strength.is_valid()),
+            ("distance", edit.distance.is_none_or(|distance| distance.is_valid())),
             ("highlights", is_share(edit.highlights)),
             ("grain", is_share(edit.grain)),
             ("focus", place_is_inside),
             ("quality", (1..=100).contains(&self.export.quality)),
             ("bits", [8, 16].contains(&self.export.bits)),
         ];
-        match checks.iter().find(|(_, is_good)| !is_good) {
-            Some((name, _)) => Err(format!("its {name} is out of range")),
+        match checks.iter().find(|(_, is_good)| !is_good).map(|(name, _)| *name).or(edit.glass.out_of_range()) {
+            Some(name) => Err(format!("its {name} is out of range")),
             None => Ok(()),
         }
     }
@@ -241,9 +252,11 @@ impl PictureSettings {
         let stem = photo.file_stem().unwrap_or_default().to_string_lossy();
         let f = format!("{:.1}", edit.f_number.0);
         let f = f.strip_suffix(".0").unwrap_or(&f);
+        let percent = |place: &[f32; 2]| place.map(|share| format!("{:.0}", share * 100.0)).join("x");
         let focus = match edit.focus {
             Focus::Subject => "subject".to_owned(),
-            Focus::At(place) => place.map(|share| format!("{:.0}", share * 100.0)).join("x"),
+            Focus::At(place) => percent(&place),
+            Focus::Through(places) => places.all().iter().map(percent).collect::<Vec<_>>().join("+"),
             // As people read it: in pixels of views of the usual width.
             Focus::Disparity(share) => format!("{:+.2}", share * super::Making::LONG_SIDE as f32),
         };
@@ -279,6 +292,7 @@ fn merge(old: &mut Value, new: Value) {
 mod tests {
     use super::*;
     use crate::field::{FNumber, LensShape};
+    use crate::scene::real::Distance;
 
     fn edit() -> Edit {
         let shape = LensShape::Blades { count: 7, rotation_deg: 12.5, roundness: 0.3 };
@@ -294,11 +308,26 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let photo = dir.path().join("p.jpg");
         assert!(Recipe::of_photo(&photo).unwrap().is_none());
-        for focus in [Focus::Subject, Focus::At([0.1, 1.0]), Focus::Disparity(-7.41e-4)] {
+        let through = Focus::Through(vec![[0.1, 0.2], [0.5, 0.75]].try_into().unwrap());
+        for focus in [Focus::Subject, Focus::At([0.1, 1.0]), through, Focus::Disparity(-7.41e-4)] {
             let recipe = recipe().with_edit(Edit { focus, ..edit() });
             recipe.write(&Recipe::sidecar(&photo)).unwrap();
             let read = Recipe::of_photo(&photo).unwrap().unwrap();
             assert_eq!(Recipe { whole: Value::Null, ..read }, recipe);
+        }
+    }
+
+    #[test]
+    fn what_is_told_with_one_key_takes_the_place_of_another() {
+        let distance = |of| Some(Distance { of, metres: 0.5 });
+        let first = Edit { distance: distance(Focus::At([0.5, 0.5])), ..edit() };
+        let ring = LensShape::Ring { inner: 0.5 };
+        let second = Edit { shape: ring, focus: Focus::Disparity(1e-3), distance: distance(Focus::Subject), ..first };
+        let none = Edit { distance: None, focus: Focus::Subject, ..second };
+        let mut recipe = Recipe::default();
+        for edit in [first, second, none] {
+            recipe = Recipe::from_json(&recipe.with_edit(edit).to_json()).unwrap();
+            assert_eq!(recipe.edit(1), edit);
         }
     }
 
@@ -345,6 +374,10 @@ mod tests {
             ("{\"version\": 2, \"lens\": {\"f_number\": 1e39}}", "out of range"),
             ("{\"version\": 2, \"lens\": {\"f_number\": -2}}", "f_number"),
             ("{\"version\": 2, \"lens\": {\"focus\": {\"at\": [7, 0]}}}", "focus"),
+            ("{\"version\": 2, \"lens\": {\"focus\": {\"through\": [[7, 0]]}}}", "one to three places"),
+            ("{\"version\": 2, \"lens\": {\"strength\": 0}}", "strength"),
+            ("{\"version\": 2, \"lens\": {\"distance\": {\"of\": \"subject\", \"metres\": 0}}}", "distance"),
+            ("{\"version\": 2, \"lens\": {\"glass\": {\"swirl\": 7}}}", "swirl"),
             ("{\"version\": 2, \"lens\": {\"grain\": NaN}}", "expected value"),
             ("{\"export\": {\"quality\": 0}}", "quality"),
         ];

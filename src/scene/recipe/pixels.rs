@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::PictureSettings;
-use crate::field::{Lens, ViewPoint};
+use crate::field::{Lens, Strength, ViewPoint};
 use crate::scene::{Edit, Focus};
 
 /// An edit of version 1.
@@ -42,7 +42,8 @@ impl Stored {
 impl PixelEdit {
     /// The edit without a width. Places beyond the picture meant its edge.
     pub(super) fn at_width(&self, width: u32) -> Edit {
-        let edit = Edit { viewpoint: self.viewpoint, ..Edit::default() }.with_lens(&self.lens, width);
+        let edit =
+            Edit { viewpoint: self.viewpoint, ..Edit::default() }.with_lens(&self.lens, width, Strength::AS_MADE);
         match self.focus_at {
             Some(place) => Edit { focus: Focus::At(place.map(|share| share.clamp(0.0, 1.0))), ..edit },
             None => edit,
@@ -56,8 +57,10 @@ pub(super) fn forget(whole: &mut Value) {
     keys.remove("focus_at");
     let Some(lens) = keys.get_mut("lens").and_then(Value::as_object_mut) else { return };
     lens.remove("keep_sharp_px");
-    // Version 2 says what is in focus in one word or with one key.
-    lens.remove("focus");
+    // Version 2 says what is in focus, how the opening looks and what is known of distances in one word or with one key.
+    for name in ["focus", "shape", "distance"] {
+        lens.remove(name);
+    }
 }
 
 #[cfg(test)]

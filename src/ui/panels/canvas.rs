@@ -9,6 +9,7 @@ use crate::ui::field_pictures::{FieldPictures, Slot};
 use crate::ui::look::{Look, Split};
 use crate::ui::open::Open;
 use crate::ui::rest::{AtRest, Seen};
+use crate::ui::sharp;
 use crate::ui::tiles::Tiled;
 use crate::ui::{theme, widgets};
 
@@ -31,6 +32,8 @@ pub struct Canvas<'a> {
     pub rest: &'a mut AtRest,
     /// Whether edges in focus are marked.
     pub has_peaks: bool,
+    /// Width of what is exported, in whose pixels things are kept sharp.
+    pub picture_width: u32,
 }
 
 /// Draws the picture and listens to the pointer.
@@ -44,6 +47,7 @@ pub fn show(mut shown: Canvas, ui: &mut Ui, canvas: Rect) {
     probe(shown.open, shown.edit, shown.look, &response, rect);
     paint(&mut shown, ui, canvas, rect);
     cross_hairs(&shown, ui, canvas, rect);
+    rings(&shown, ui, canvas, rect);
     read_out(&shown, ui, canvas, size);
 }
 
@@ -64,7 +68,8 @@ pub fn move_picture(look: &mut Look, ui: &Ui, response: &Response, canvas: Rect,
 }
 
 fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect, size: Vec2) {
-    let Canvas { open, edit, look, .. } = shown;
+    let Canvas { open, edit, look, picture_width, .. } = shown;
+    let rect = look.pose.screen_rect(canvas, size);
     let is_pan = ui.input(|input| input.key_down(Key::Space));
     let has_photo = open.photo().is_some();
     if response.hover_pos().is_some_and(|at| has_photo && is_on_split(&look.split, at, canvas)) {
@@ -73,10 +78,15 @@ fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect
     if response.drag_started() {
         let origin = ui.input(|input| input.pointer.press_origin());
         look.split.is_held = origin.is_some_and(|at| has_photo && is_on_split(&look.split, at, canvas));
+        look.held_ring = origin.and_then(|at| sharp::ring_at(open, edit, at, rect)).filter(|_| !look.split.is_held);
     }
     if look.split.is_held && response.dragged_by(PointerButton::Primary) {
         if let Some(at) = response.interact_pointer_pos() {
             look.split.at = ((at.x - canvas.left()) / canvas.width()).clamp(0.02, 0.98);
+        }
+    } else if let (true, Some(ring)) = (response.dragged_by(PointerButton::Primary), look.held_ring) {
+        if let Some(place) = response.interact_pointer_pos().and_then(|at| place_at(open, edit, look, at, rect)) {
+            **edit = sharp::moved(open, edit, ring, place, *picture_width);
         }
     } else if response.dragged_by(PointerButton::Primary) && !is_pan {
         look.is_circling = false;
@@ -91,20 +101,30 @@ fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect
     if response.clicked()
         && let Some(at) = response.interact_pointer_pos()
     {
-        let rect = look.pose.screen_rect(canvas, size);
-        focus_at(open, edit, look, at, rect);
+        if !ui.input(|input| input.modifiers.shift) {
+            focus_at(open, edit, look, at, rect);
+        } else if let Some(place) = place_at(open, edit, look, at, rect) {
+            let ring = sharp::ring_at(open, edit, at, rect);
+            **edit = sharp::toggled(open, edit, place, ring, *picture_width);
+        }
     }
+}
+
+/// The place of the reference view that is seen under a point of the screen; the cross-hairs go there.
+fn place_at(open: &Open, edit: &Edit, look: &mut Look, at: Pos2, rect: Rect) -> Option<[f32; 2]> {
+    let place = (at - rect.min) / rect.size();
+    if !Rect::from_min_size(Pos2::ZERO, Vec2::splat(1.0)).contains(place.to_pos2()) {
+        return None;
+    }
+    look.probe = place;
+    let (view, rays) = open.nearest_view(edit.viewpoint).zip(open.rays())?;
+    Some(rays.place_in_reference(view, [place.x, place.y]))
 }
 
 /// Focuses on what is under a point of the screen.
 pub fn focus_at(open: &Open, edit: &mut Edit, look: &mut Look, at: Pos2, rect: Rect) {
-    let place = (at - rect.min) / rect.size();
-    if !Rect::from_min_size(Pos2::ZERO, Vec2::splat(1.0)).contains(place.to_pos2()) {
-        return;
-    }
-    look.probe = place;
-    if let Some((view, rays)) = open.nearest_view(edit.viewpoint).zip(open.rays()) {
-        edit.focus = Focus::At(rays.place_in_reference(view, [place.x, place.y]));
+    if let Some(place) = place_at(open, edit, look, at, rect) {
+        edit.focus = Focus::At(place);
     }
 }
 
@@ -168,7 +188,8 @@ fn paint_field(shown: &mut Canvas, ui: &Ui, painter: &egui::Painter, rect: Rect,
 /// The light field through the lens, at its own size.
 fn paint_draft(shown: &mut Canvas, painter: &egui::Painter, rect: Rect, opacity: f32) {
     let Some(pictures) = &mut shown.pictures else { return };
-    let (lens, viewpoint) = (shown.open.lens(shown.edit), shown.edit.viewpoint);
+    let edit = shown.open.drafted(shown.edit);
+    let (lens, viewpoint) = (shown.open.lens(&edit), edit.viewpoint);
     let draw = if lens.f_number.added_views() == 0.0 {
         Draw::View(viewpoint)
     } else {
@@ -217,6 +238,20 @@ fn cross_hairs(shown: &Canvas, ui: &Ui, canvas: Rect, rect: Rect) {
     }
     painter.circle_stroke(at, hole, (2.5, theme::HAIR_RIM));
     painter.circle_stroke(at, hole, (1.2, theme::palette(ui.ctx()).accent));
+}
+
+/// A ring on everything that is kept sharp.
+fn rings(shown: &Canvas, ui: &Ui, canvas: Rect, rect: Rect) {
+    let painter = ui.painter_at(canvas.intersect(rect));
+    let accent = theme::palette(ui.ctx()).accent;
+    for (ring, at) in sharp::rings(shown.open, shown.edit, rect).into_iter().enumerate() {
+        painter.circle_stroke(at, sharp::GRAB, (4.0, theme::HAIR_RIM));
+        painter.circle_stroke(at, sharp::GRAB, (2.0, accent));
+        painter.circle_filled(at, 2.0, accent);
+        let id = ui.scope_id().with(("ring", ring));
+        let response = ui.interact(Rect::from_center_size(at, Vec2::splat(2.0)), id, Sense::hover());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Kept sharp {}", ring + 1)));
+    }
 }
 
 fn read_out(shown: &Canvas, ui: &Ui, canvas: Rect, size: Vec2) {

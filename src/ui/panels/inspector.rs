@@ -2,14 +2,18 @@
 
 use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 
+use super::glass;
 use super::mend;
+use super::real_lens::{self, RealLens};
 use super::source::{self, Sources};
+use super::strength;
 use super::strip::{self, Views};
 use crate::field::{FNumber, Lens, LensShape, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::render::cpu::Colormap;
 use crate::render::gpu::Draw;
 use crate::repair::Repairs;
 use crate::scene::Edit;
+use crate::scene::real::KnownLens;
 use crate::scene::trust::{Invented, USUAL_LIMIT};
 use crate::ui::action::Action;
 use crate::ui::command::Command;
@@ -18,6 +22,7 @@ use crate::ui::mending::Mending;
 use crate::ui::open::Open;
 use crate::ui::rays::Survey;
 use crate::ui::settings::Settings;
+use crate::ui::sharp;
 use crate::ui::theme::{self, GRID};
 use crate::ui::widgets::{self, Number};
 
@@ -35,6 +40,8 @@ pub struct Inspector<'a> {
     pub settings: &'a mut Settings,
     /// Where ray depths come from, and can.
     pub sources: Sources<'a>,
+    /// Lenses that are known by name.
+    pub lenses: &'a [KnownLens],
     /// Views and ray depths on the device.
     pub pictures: Option<&'a mut FieldPictures>,
     /// The tool that mends depth.
@@ -45,7 +52,7 @@ pub struct Inspector<'a> {
 
 /// Draws the inspector.
 pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
-    let Inspector { open, edit, is_circling, settings, sources, mut pictures, mending, repairs } = shown;
+    let Inspector { open, edit, is_circling, settings, sources, lenses, mut pictures, mending, repairs } = shown;
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
@@ -59,16 +66,26 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                 let mut after = before;
                 let limit = settings.trust_percent / 100.0;
                 let limits = open.invented().map(|invented| invented.limits(limit));
-                lens(&mut after, settings, limits.map(|limits| limits.widest), ui);
+                let reads = open.scene().map(|scene| real_lens::title(scene, edit, settings));
+                lens(&mut after, settings, limits.map(|limits| limits.widest), reads, ui);
                 open.turn(edit, &before, &after);
+                if let Some(text) = sharp::told(open, edit) {
+                    ui.label(RichText::new(text).small().color(theme::palette(ui.ctx()).weak));
+                    ui.add_space(2.0 * GRID);
+                }
                 if let Some(grid) = open.grid() {
                     let trust = open.invented().map(|invented| (invented, limit));
                     let eye = Eye { grid, at: &mut edit.viewpoint, is_circling, trust };
                     actions.extend(viewpoint(eye, open.rays().map(|rays| &*rays.survey), ui));
                 }
                 actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
+                strength::show(open, edit, ui);
                 actions.extend(source::source(open, &sources, ui));
                 actions.extend(source::light_field(open, ui));
+                if let Some(scene) = open.scene() {
+                    actions.extend(real_lens::show(RealLens { scene, edit, settings, lenses }, ui));
+                }
+                glass::show(&mut edit.glass, ui);
             });
         });
     });
@@ -79,7 +96,8 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
     actions
 }
 
-fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, ui: &mut Ui) {
+/// The lens; `reads`: what real one it is.
+fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, reads: Option<String>, ui: &mut Ui) {
     let mut shape = lens.shape;
     let before = shape;
     widgets::section(
@@ -88,6 +106,9 @@ fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, ui: &
         |ui| shape_menu(ui, &mut shape),
         |ui| {
             aperture(ui, &mut lens.f_number, widest.map(|widest| (widest, settings.trust_percent)));
+            if let Some(text) = reads {
+                ui.label(RichText::new(text).small().color(theme::palette(ui.ctx()).weak));
+            }
             ui.add_space(GRID);
             focus(ui, lens);
             shape_numbers(ui, &mut lens.shape);
@@ -216,7 +237,7 @@ fn focus(ui: &mut Ui, lens: &mut Lens) {
         reset: 0.0,
         hint,
     };
-    widgets::number(ui, &mut lens.focus.disparity_px, &number("Focus", [-8.0, 8.0], "Disparity that is sharp"));
+    widgets::number(ui, &mut lens.focus.disparity_px, &number("Focus", [-32.0, 32.0], "Disparity that is sharp"));
     let colors = theme::palette(ui.ctx());
     ui.horizontal(|ui| {
         let text = RichText::new("Keep sharp").color(colors.text);
@@ -228,14 +249,14 @@ fn focus(ui: &mut Ui, lens: &mut Lens) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 0.0;
             let [far, near] = &mut lens.keep_sharp_px;
-            let near_spec = Number { suffix: "", ..number("Keep sharp, nearer", [0.0, 8.0], "Towards the eye") };
+            let near_spec = Number { suffix: "", ..number("Keep sharp, nearer", [0.0, 32.0], "Towards the eye") };
             widgets::drag_value(ui, near, &near_spec);
             ui.label(RichText::new("…").color(colors.weak));
-            let far_spec = Number { suffix: "", ..number("Keep sharp, farther", [-8.0, 0.0], "Away from the eye") };
+            let far_spec = Number { suffix: "", ..number("Keep sharp, farther", [-32.0, 0.0], "Away from the eye") };
             widgets::drag_value(ui, far, &far_spec);
         });
     });
-    let tilt = |label, hint| Number { suffix: " px", ..number(label, [-4.0, 4.0], hint) };
+    let tilt = |label, hint| Number { suffix: " px", ..number(label, [-16.0, 16.0], hint) };
     let [across, down] = &mut lens.focus.tilt_px;
     widgets::number(ui, across, &tilt("Tilt across", "Focal plane: growth from the left edge to the right"));
     widgets::number(ui, down, &tilt("Tilt down", "Focal plane: growth from the upper edge to the lower"));

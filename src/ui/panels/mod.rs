@@ -6,6 +6,7 @@ mod depths;
 mod empty;
 mod epi;
 mod export;
+mod glass;
 mod hint;
 mod inspector;
 mod many;
@@ -13,12 +14,14 @@ mod mend;
 mod near_end;
 mod path_box;
 mod queue;
+mod real_lens;
 mod repair;
 mod ruler;
 mod settings;
 mod sheet;
 mod source;
 mod status;
+mod strength;
 mod strip;
 mod top_bar;
 mod views;
@@ -122,7 +125,9 @@ fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
     match look.face {
         Face::Picture => {
             let (photo, has_peaks) = (photo.as_mut(), settings.peaking);
-            canvas::show(Canvas { open, edit, look, pictures, photo, rest, has_peaks }, ui, area);
+            let size = open.size().map(|size| settings.export.picture.size.of(size));
+            let picture_width = size.map_or(1, |size| size[0]);
+            canvas::show(Canvas { open, edit, look, pictures, photo, rest, has_peaks, picture_width }, ui, area);
         }
         Face::Views => {
             let views = Views::new(open, edit.viewpoint, pictures.as_deref());
@@ -167,10 +172,10 @@ fn compared(window: &Window, ui: &Ui, canvas: Rect) {
 
 fn inspector(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
     let (source, sources) = (window.looked_at(), window.sources());
-    let Window { open, edit, look, pictures, settings, models, mending, repairs, .. } = window;
+    let Window { open, edit, look, pictures, settings, models, lenses, mending, repairs, .. } = window;
     let (pictures, is_circling) = (pictures.as_mut(), &mut look.is_circling);
     let sources = Sources { looked_at: source, all: sources, nets: models };
-    inspector::show(Inspector { open, edit, is_circling, settings, sources, pictures, mending, repairs }, ui)
+    inspector::show(Inspector { open, edit, is_circling, settings, sources, lenses, pictures, mending, repairs }, ui)
 }
 
 fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {

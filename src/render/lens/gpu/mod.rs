@@ -99,7 +99,11 @@ impl LensGpu {
         job: &Job,
     ) -> Result<Option<Picture>, LensError> {
         let optics = prepared.optics(lens);
-        if optics.gain == 0.0 || lens.grain > 0.0 || matches!(lens.shape, LensShape::CatEye { .. }) {
+        if optics.gain == 0.0
+            || lens.grain > 0.0
+            || !lens.glass.is_plain()
+            || matches!(lens.shape, LensShape::CatEye { .. })
+        {
             return Ok(None);
         }
         let margin = (optics.reach as u32).next_multiple_of(MARGIN);

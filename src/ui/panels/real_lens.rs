@@ -1,0 +1,116 @@
+//! The lens in a photographer's numbers: what real lens it is, where it is sharp, how wide the blur is.
+
+use egui::{RichText, Ui};
+
+use crate::scene::real::{DISTANCES_M, FORMATS, Format, KnownLens, Scale};
+use crate::scene::{Edit, Scene};
+use crate::ui::action::Action;
+use crate::ui::settings::Settings;
+use crate::ui::theme;
+use crate::ui::widgets::{self, Number};
+
+/// What the section shows and sets.
+pub struct RealLens<'a> {
+    /// What is open.
+    pub scene: &'a Scene,
+    /// Aperture, shape, and the distance that is known.
+    pub edit: &'a mut Edit,
+    /// The sensor.
+    pub settings: &'a mut Settings,
+    /// Lenses that can be taken.
+    pub lenses: &'a [KnownLens],
+}
+
+/// What the slider reads as, in one line.
+pub fn title(scene: &Scene, edit: &Edit, settings: &Settings) -> String {
+    let format = &FORMATS[settings.sensor.min(FORMATS.len() - 1)];
+    let reading = scene.reading(edit, format, 1);
+    let relative = if reading.scale == Scale::Relative { " · relative" } else { "" };
+    format!("{}{relative}", reading.title())
+}
+
+/// Draws it.
+pub fn show(shown: RealLens, ui: &mut Ui) -> Option<Action> {
+    let RealLens { scene, edit, settings, lenses } = shown;
+    let format = settings.sensor.min(FORMATS.len() - 1);
+    let (mut chosen, mut action) = (format, None);
+    let width = scene.picture_size(settings.export.picture.size)[0];
+    let reading = scene.reading(edit, &FORMATS[format], width);
+    widgets::section(
+        ui,
+        "Real lens",
+        |ui| format_menu(ui, &mut chosen),
+        |ui| {
+            let colors = theme::palette(ui.ctx());
+            ui.label(RichText::new(reading.title()).color(colors.strong));
+            for line in reading.lines() {
+                ui.label(RichText::new(line).small().color(colors.weak));
+            }
+            distance(ui, scene, edit, reading.focus_m.filter(|_| reading.scale != Scale::Relative));
+            action = lens_menu(ui, scene, edit, lenses, &FORMATS[format]);
+        },
+    );
+    settings.sensor = chosen;
+    action
+}
+
+fn format_menu(ui: &mut Ui, format: &mut usize) {
+    let text = RichText::new(format!("{} ▼", FORMATS[*format].name)).small().color(theme::palette(ui.ctx()).weak);
+    ui.menu_button(text, |ui| {
+        for (at, choice) in FORMATS.iter().enumerate() {
+            if ui.selectable_label(*format == at, choice.name).clicked() {
+                *format = at;
+                ui.close();
+            }
+        }
+    });
+}
+
+/// The distance of what is in focus: as it is known, or as it is given.
+fn distance(ui: &mut Ui, scene: &Scene, edit: &mut Edit, known: Option<f32>) {
+    let Some(mut metres) = known else {
+        let tip = "With one distance the lens reads in metres; what is farthest is taken for very far away";
+        if widgets::link(ui, "give the distance of what is in focus").on_hover_text(tip).clicked() {
+            *edit = scene.with_distance(edit, Some(1.0));
+        }
+        return;
+    };
+    let spec = Number {
+        label: "Distance",
+        range: DISTANCES_M,
+        speed: 0.005 * metres,
+        decimals: 2,
+        prefix: "",
+        suffix: " m",
+        reset: metres,
+        hint: "How far away what is in focus is",
+    };
+    if widgets::number(ui, &mut metres, &spec) {
+        *edit = scene.with_distance(edit, Some(metres));
+    }
+    if edit.distance.is_some() && widgets::link(ui, "forget the distance").clicked() {
+        edit.distance = None;
+    }
+}
+
+/// Opens the lens as a known one does, all the way.
+fn lens_menu(ui: &mut Ui, scene: &Scene, edit: &mut Edit, lenses: &[KnownLens], format: &Format) -> Option<Action> {
+    let mut action = None;
+    let text = RichText::new("open as … ▼").small().color(theme::palette(ui.ctx()).weak);
+    ui.menu_button(text, |ui| {
+        for lens in lenses {
+            let blades = lens.blades.map(|n| format!(" · {n} blades")).unwrap_or_default();
+            let nearest = lens.nearest_m.map(|m| format!(" · from {m} m")).unwrap_or_default();
+            let hint = format!("f/{} … f/{}{blades}{nearest}", lens.f_numbers[0], lens.f_numbers[1]);
+            if ui.button(&lens.name).on_hover_text(hint).clicked() {
+                let (f_number, is_cut) = scene.f_number_of(edit, lens, lens.f_numbers[0]);
+                *edit = Edit { f_number, shape: lens.shape(lens.f_numbers[0]), ..*edit };
+                let title = || scene.reading(edit, format, 1).title();
+                let text = || format!("The aperture of {} is beyond what there is here: {}", lens.name, title());
+                action = is_cut.then(|| Action::Tell(text()));
+                ui.close();
+            }
+        }
+    });
+    action
+}
