@@ -181,9 +181,9 @@ impl App {
 
     /// Asks for what mending depth waits for.
     fn mend(&mut self) {
-        let Window { open, mending, repairs, rest, workers, .. } = &mut self.window;
+        let Window { open, mending, repairs, rest, workers, asked, .. } = &mut self.window;
         let Some(scene) = open.scene() else { return };
-        match mending.ask(rest.generation(), scene, repairs) {
+        match mending.ask(rest.generation(), scene, repairs, asked) {
             Some(request @ mending::Request::Mend(..)) => workers.mender.replace(request),
             Some(request) => workers.outliner.replace(request),
             None => return,

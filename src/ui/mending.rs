@@ -14,7 +14,7 @@ use crate::field::DisparityMap;
 use crate::job::{Cancel, Job};
 use crate::render::cpu::Colormap;
 use crate::repair::{Brush, Draft, Guide, Mender, Operation, Place, Region, Repair, Repairs, Stroke};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Making, Need, Scene, SceneError};
 
 /// What the hand does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,7 +110,7 @@ pub enum Request {
     /// The pixels of a thing.
     Outline(Region, Box<Mender>),
     /// The light field with these repairs.
-    Mend(Box<Scene>, Repairs),
+    Mend(Box<Scene>, Repairs, Box<Making>),
 }
 
 /// What the thread answers.
@@ -214,14 +214,14 @@ impl Mending {
     }
 
     /// What is to be asked of the thread now, for the light field with this number.
-    pub fn ask(&mut self, generation: u64, scene: &Scene, repairs: &Repairs) -> Option<Request> {
+    pub fn ask(&mut self, generation: u64, scene: &Scene, repairs: &Repairs, how: &Making) -> Option<Request> {
         if *scene.repairs() != *repairs {
             let wanted = Some((generation, repairs.clone()));
             if self.hand.as_ref().is_some_and(|hand| hand.is_down) || self.mended_for == wanted {
                 return None;
             }
             self.mended_for = wanted;
-            return Some(Request::Mend(Box::new(scene.clone()), repairs.clone()));
+            return Some(Request::Mend(Box::new(scene.clone()), repairs.clone(), Box::new(how.clone())));
         }
         if !self.is_on {
             return None;
@@ -301,10 +301,12 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
     let answer = match request {
         Request::Kit(generation, scene) => kit(&scene).map(|mender| Answer::Kit(generation, Box::new(mender))),
         Request::Outline(region, mender) => Ok(Answer::Outline(region.clone(), tinted(&mender, &region))),
-        Request::Mend(scene, repairs) => scene
-            .mended(&repairs, &Job { cancel, sink: &() })
-            .and_then(Made::of)
-            .map(|made| Answer::Mended(Box::new(made))),
+        Request::Mend(scene, repairs, how) => {
+            let (task, strength) = (Job { cancel, sink: &() }, scene.strength());
+            let mended = scene.mended(&repairs, &task);
+            let made = mended.and_then(|mended| mended.at_strength(strength, &how, Need::Views, &task));
+            made.and_then(Made::of).map(|made| Answer::Mended(Box::new(made)))
+        }
     };
     let event = match answer {
         _ if cancel.is_cancelled() => Event::Stopped,
@@ -314,10 +316,10 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
     outbox.send(job, event);
 }
 
-/// A mender of the views' size.
+/// A mender of the views' size, at strength 1: repairs are kept so.
 fn kit(scene: &Scene) -> Result<Mender, SceneError> {
     let reference = scene.made_views()?.field.reference();
-    let map: DisparityMap = scene.map().resized(reference.size())?;
+    let map: DisparityMap = scene.as_made().map().resized(reference.size())?;
     Ok(Mender::new(&map, Guide::new(reference, reference.size())))
 }
 

@@ -221,7 +221,7 @@ impl Open {
     }
 
     /// The strength of what is shown, which is another than the edit's until that is made.
-    fn strength(&self) -> Strength {
+    pub fn strength(&self) -> Strength {
         self.scene().map_or(Strength::AS_MADE, Scene::strength)
     }
 

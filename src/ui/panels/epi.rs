@@ -77,19 +77,27 @@ pub fn show(shown: Epis, ui: &Ui, [row, column, corner]: [Rect; 3]) -> Option<Ac
     }
     open.scene()?;
     let at = picture.min + look.probe * picture.size();
-    let to_px = turned(ui, [row, column], at, (grid, picture.width() / w as f32, view))?;
+    let lies = Lies { grid, per_px: picture.width() / w as f32, view, range_px: open.rays()?.survey.range_px };
+    let to_px = turned(ui, [row, column], at, &lies)?;
     let place = open.rays()?.place_in_reference(view, [look.probe.x, look.probe.y]);
-    let what = Operation::To(to_px / w as f32);
+    let what = Operation::To(to_px / (w as f32 * open.strength().0));
     Some(Action::Repair(Repair::Region { of: Region::Click { at: place, size: reach }, what }))
 }
 
+/// How epipolar images lie on the screen, and what of disparities there is.
+struct Lies {
+    grid: ViewGrid,
+    /// Points of the screen for a pixel of a view.
+    per_px: f32,
+    view: ViewIndex,
+    range_px: [f32; 2],
+}
+
 /// The disparity of the line that was let go, in pixels per view step; while it is held, it is drawn.
-fn turned(
-    ui: &Ui,
-    [row, column]: [Rect; 2],
-    at: egui::Pos2,
-    (grid, per_px, view): (ViewGrid, f32, ViewIndex),
-) -> Option<f32> {
+fn turned(ui: &Ui, [row, column]: [Rect; 2], at: egui::Pos2, lies: &Lies) -> Option<f32> {
+    let Lies { grid, per_px, view, range_px: [far, near] } = *lies;
+    // A small way of the hand is a large one of the slope: half a scene before and behind is room enough.
+    let room = (near - far) / 2.0;
     let pitch = [row.height() / grid.cols() as f32, column.width() / grid.rows() as f32];
     let down = pos2(at.x, row.top() + (f32::from(view.u) + 0.5) * pitch[0]);
     let across = pos2(column.left() + (f32::from(view.v) + 0.5) * pitch[1], at.y);
@@ -99,6 +107,7 @@ fn turned(
     ];
     for (strip, name, line) in lines {
         if let Some((disparity_px, is_let_go)) = repair::dragged_slope(ui, strip, name, line) {
+            let disparity_px = disparity_px.clamp(far - room, near + room);
             repair::tentative(ui.painter(), line, disparity_px, strip);
             return is_let_go.then_some(disparity_px);
         }

@@ -47,7 +47,7 @@ pub fn show(shown: Repairing, ui: &mut Ui, canvas: Rect) -> Option<Action> {
         let view = open.nearest_view(edit.viewpoint)?;
         Some(rays.place_in_reference(view, [at.x, at.y]))
     };
-    let range = rays.survey.range_px;
+    let range = rays.survey.range_px.map(|px| px / open.strength().0);
     let at = response.interact_pointer_pos().or(response.hover_pos());
     let done = match at.and_then(place) {
         Some(place) if !is_pan => hand(mending, &response, place, (range, colormap)),
