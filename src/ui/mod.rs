@@ -59,10 +59,28 @@ pub use window::Options;
 
 /// The window could not be opened.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "could not open the window — {0} — install a graphics driver (Vulkan, Metal or DirectX 12), or use the command line"
-)]
-pub struct WindowError(String);
+pub enum WindowError {
+    /// No desktop answers.
+    #[error(
+        "could not open the window: there is no display — start it on a desktop, or use the command line (plenoscope --help)"
+    )]
+    Display,
+    /// The desktop is there, and what draws is not.
+    #[error(
+        "could not open the window — {0} — install a graphics driver (Vulkan, Metal or DirectX 12), or use the command line"
+    )]
+    Graphics(String),
+}
+
+impl From<eframe::Error> for WindowError {
+    fn from(error: eframe::Error) -> Self {
+        match error {
+            // Their words name lines of a source file.
+            eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => Self::Display,
+            other => Self::Graphics(other.to_string()),
+        }
+    }
+}
 
 /// Opens the window and returns when it is closed.
 ///
@@ -102,7 +120,7 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
         let app = App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), creation.storage);
         Ok(Box::new(app) as Box<dyn eframe::App>)
     });
-    eframe::run_native("plenoscope", native, start).map_err(|error| WindowError(error.to_string()))
+    Ok(eframe::run_native("plenoscope", native, start)?)
 }
 
 fn icon() -> egui::IconData {

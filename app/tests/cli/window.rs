@@ -34,6 +34,21 @@ fn the_window_opens_a_photo_and_closes() {
     assert!(!said.contains("panicked"), "{said}");
 }
 
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_display_the_window_is_one_sentence() {
+    let dir = Scratch::new();
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("plenoscope"));
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(name);
+    }
+    let output =
+        command.env("XDG_CONFIG_HOME", dir.path("config")).env("XDG_DATA_HOME", dir.path("data")).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.lines().count() == 1 && said.contains("there is no display"), "{said}");
+}
+
 /// A virtual display that goes away with the test.
 struct Display {
     server: Child,
