@@ -61,6 +61,9 @@ impl Source {
     /// Puts another photo's subject before everything that it covers, wherever that lies in the picture; says whether
     /// there was one to put.
     pub(super) fn add_guest(&self, rng: &mut Rng, canvas: &Canvas, scene: &mut Scene) -> bool {
+        if !self.has_masks() {
+            return false;
+        }
         let picture = self.masked_picture(rng, canvas.size);
         let size = rng.range(0.2, 1.0);
         let Some(sprite) = sprite(rng, picture, canvas, size) else { return false };

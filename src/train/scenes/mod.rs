@@ -306,7 +306,7 @@ impl Source {
     /// The kind of a sample: by the mix, of what there is.
     fn kind(&self, rng: &mut Rng) -> Kind {
         let Mix { lifted, collage, pseudo, real, solid } = self.config.mix;
-        let masks = self.masked.iter().any(|list| !list.is_empty());
+        let masks = self.has_masks();
         let maps = self.mapped.iter().any(|list| !list.is_empty());
         let has = |share: f32, there: bool| if there { share } else { 0.0 };
         let fields = !self.library.fields.is_empty();
@@ -345,6 +345,11 @@ impl Source {
             picture = &self.library.pictures[list[rng.below(list.len())]];
         }
         picture
+    }
+
+    /// Whether there is a photo with a mask: without one there is no subject to cut out.
+    fn has_masks(&self) -> bool {
+        self.masked.iter().any(|list| !list.is_empty())
     }
 
     /// A picture with a mask, flower or other by the configured share.

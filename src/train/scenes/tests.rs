@@ -187,3 +187,13 @@ fn a_guest_stands_before_everything_that_it_covers() {
         assert!(covered.clone().all(|i| guest.disparity.px[i] > ground.disparity.px[i]));
     }
 }
+
+#[test]
+fn photos_without_masks_are_enough() {
+    let size = [115, 86];
+    let ramp = Raster::from_fn(size, |_, y| (40 + y) as u8);
+    let bare = Picture::new("everyday/a".to_owned(), Raster::from_fn(size, |x, _| [x as u8; 3]), None, Some(ramp));
+    let config = Config { long_side: 96, crop: [96, 72], views_per_sample: 1, mix: KINDS[2], ..Config::default() };
+    let source = Source::from_library(&config, Library { pictures: vec![bare], ..Library::default() });
+    assert!((0..20).all(|index| source.sample(index).subject.is_none()));
+}
