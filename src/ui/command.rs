@@ -69,12 +69,13 @@ pub struct Spec {
 }
 
 /// What the mouse does, for the shortcut sheet.
-pub const MOUSE: [(&str, &str); 7] = [
+pub const MOUSE: [(&str, &str); 8] = [
     ("Drag the picture", "Look round"),
     ("Click the picture", "Focus there"),
+    ("Shift-click", "Keep this sharp, too"),
     ("Wheel", "Zoom at the pointer"),
     ("Middle drag, Space + drag", "Move the picture"),
-    ("Drag in an epipolar image", "Turn the line: that thing's depth"),
+    ("Drag in an epipolar image", "Set a thing's depth"),
     ("Hold \\", "Show the photo itself"),
     ("Double-click a value's name", "Reset it"),
 ];
