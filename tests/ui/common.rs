@@ -66,6 +66,13 @@ pub fn wait(harness: &mut Window, what: &str, holds: impl Fn(&App) -> bool) -> u
     panic!("{what}: not within {MANY_FRAMES} frames");
 }
 
+/// A window once the light field of a photo is there.
+pub fn opened(mut harness: Window, photo: &Path) -> Window {
+    harness.state_mut().open_file(photo);
+    wait(&mut harness, "the light field", is_made);
+    harness
+}
+
 /// Some frames.
 pub fn steps(harness: &mut Window, count: usize) {
     (0..count).for_each(|_| harness.step());

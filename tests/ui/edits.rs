@@ -8,17 +8,14 @@ use egui_kittest::kittest::Queryable as _;
 use plenoscope::field::{FNumber, Strength};
 use plenoscope::scene::{Edit, Focus, Recipe};
 
-use crate::common::{Window, button, click, has_device, is_made, sample_file, shift_click, steps, wait, window};
+use crate::common::{Window, button, click, has_device, opened, sample_file, shift_click, steps, wait, window};
 
 /// Frames after which an edit counts as done: they are a quarter of a second each.
 const SETTLED: usize = 12;
 
 /// A window with the light field of a photo.
 fn with_photo(photo: &Path) -> Window {
-    let mut harness = window([1000.0, 700.0]);
-    harness.state_mut().open_file(photo);
-    wait(&mut harness, "the light field", is_made);
-    harness
+    opened(window([1000.0, 700.0]), photo)
 }
 
 #[test]

@@ -6,16 +6,13 @@ use plenoscope::repair::{Brush, Operation, Region, Repair};
 use plenoscope::scene::Recipe;
 use plenoscope::ui::App;
 
-use crate::common::{Window, button, click, has_device, is_made, sample_file, steps, wait, window};
+use crate::common::{Window, button, click, has_device, opened, sample_file, steps, wait, window};
 
 /// Frames after which an edit counts as done.
 const SETTLED: usize = 12;
 
 fn with_photo(photo: &std::path::Path) -> Window {
-    let mut harness = window([1200.0, 800.0]);
-    harness.state_mut().open_file(photo);
-    wait(&mut harness, "the light field", is_made);
-    harness
+    opened(window([1200.0, 800.0]), photo)
 }
 
 /// Presses, goes along, lets go.

@@ -7,16 +7,14 @@ use egui_kittest::kittest::Queryable as _;
 use plenoscope::scene::{DepthFrom, Recipe};
 use plenoscope::synth::adopt::Shelf;
 
-use crate::common::{Window, drop_files, has_device, is_made, sample_file, steps, wait, window_with_shelf};
+use crate::common::{Window, drop_files, has_device, is_made, opened, sample_file, steps, wait, window_with_shelf};
 use crate::nets;
 
 /// Frames in which a light field that was made before is there.
 const AT_ONCE: usize = 3;
 
 fn open(photo: &Path, shelf: &Path) -> Window {
-    let mut harness = window_with_shelf([1000.0, 700.0], Some(Shelf::new(shelf)));
-    harness.state_mut().open_file(photo);
-    wait(&mut harness, "the light field", is_made);
+    let mut harness = opened(window_with_shelf([1000.0, 700.0], Some(Shelf::new(shelf))), photo);
     steps(&mut harness, AT_ONCE);
     harness
 }
