@@ -49,6 +49,10 @@ pub enum Stage {
     Occlusion,
     /// Plane sweep over the views of a light field that came without ray depths.
     Sweep,
+    /// Finding the same things in several photos.
+    Match,
+    /// Finding where several photos were taken.
+    Poses,
     /// The lens renderer.
     Refocus,
     /// Encoding and writing files.
@@ -64,6 +68,8 @@ impl Stage {
             Self::Warp => "Rendering views",
             Self::Occlusion => "Correcting occlusions",
             Self::Sweep => "Measuring ray depths",
+            Self::Match => "Matching the photos",
+            Self::Poses => "Finding the cameras",
             Self::Refocus => "Refocusing",
             Self::Save => "Saving",
         }

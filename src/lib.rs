@@ -14,6 +14,7 @@
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`background`]: what goes on behind near edges.
 //! * [`repair`]: depth mended by hand, as a list of operations on a map.
+//! * [`burst`]: several photos of one subject: depth that was measured, rays that were seen.
 //! * [`scene`]: the one way from a file to a picture, with edits, recipes, exports and batches.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
@@ -50,6 +51,7 @@
 pub mod aside;
 pub mod background;
 pub mod bench;
+pub mod burst;
 pub mod errors;
 pub mod field;
 pub mod io;

@@ -12,6 +12,7 @@ use plenoscope::scene::{Making, Movement, OutputSize, asked, trust};
 use plenoscope::shard::Shard;
 use plenoscope::synth::Scale;
 
+use crate::burst_args::Burst;
 use crate::values::{self, KeepSharp, Pair, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
@@ -64,6 +65,8 @@ pub struct Talk {
 pub enum Command {
     /// Make a light field of a photo
     Synth(Synth),
+    /// Make a light field of several photos of one subject
+    Burst(Burst),
     /// Write a refocused picture
     Refocus(Refocus),
     /// Write the view from a place of the lens

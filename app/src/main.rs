@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted. One line on stderr says what went wrong.
 
+mod burst_args;
 mod cli;
 mod commands;
 mod output;

@@ -203,6 +203,12 @@ pub fn bits(text: &str) -> Result<u8, Usage> {
     asked::bits(text.parse().unwrap_or(0))
 }
 
+/// A share of a baseline: a little beyond it, the frames still see something.
+pub fn baseline(text: &str) -> Result<f64, String> {
+    let share = number(text).ok().filter(|n| (0.05..=4.0).contains(n)).map(f64::from);
+    share.ok_or_else(|| "a number from 0.05 to 4 is wanted".to_owned())
+}
+
 /// A number from 0 to 100.
 pub fn percent(text: &str) -> Result<f32, String> {
     number(text).ok().filter(|n| (0.0..=100.0).contains(n)).ok_or_else(|| "a number from 0 to 100 is wanted".to_owned())

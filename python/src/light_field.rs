@@ -177,8 +177,14 @@ pub fn light_field(views: &Bound<'_, PyAny>, depths: Option<&Bound<'_, PyAny>>, 
             false => Err(wrong_type("depths", "an array [v, u, y, x] of the views' sides", depths)),
         }
     });
-    let recorded =
-        Recorded { shown, stored: None, depths: depths.transpose()?, reference: None, layout: Layout::default() };
+    let recorded = Recorded {
+        shown,
+        stored: None,
+        depths: depths.transpose()?,
+        reference: None,
+        provenance: None,
+        layout: Layout::default(),
+    };
     let content = Content::Views(recorded);
     Ok(LightField::of_subject(Subject { name: name.to_owned(), path: None, info: None, content }))
 }

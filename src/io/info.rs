@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::DisparityMap;
 use super::formats::layout::Layout;
 use super::raster::orient;
-use crate::field::{FieldError, LightField, Photo, RayDepths, RelativeDepth};
+use crate::field::{FieldError, LightField, Photo, Provenance, RayDepths, RelativeDepth};
 
 /// A file, told by its content.
 #[derive(Debug)]
@@ -60,6 +60,8 @@ pub struct LightFieldFile {
     pub field: Arc<LightField>,
     /// The disparity of every ray, where the file has it.
     pub depths: Option<Arc<RayDepths>>,
+    /// Where each ray's colour comes from, where the file says it.
+    pub provenance: Option<Arc<Provenance>>,
     /// The disparity of the reference view alone, where the file has only that (HCI benchmark scenes).
     pub reference_disparity: Option<DisparityMap>,
     /// What was done to the stored views to fit our convention; `layout.opposite()` is the other sign.
@@ -82,6 +84,7 @@ impl LightFieldFile {
         Self {
             field,
             depths,
+            provenance: None,
             reference_disparity: None,
             layout: Layout::default(),
             display_gamma: None,

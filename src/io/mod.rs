@@ -20,6 +20,7 @@ mod open;
 mod raster;
 pub mod sample;
 pub mod save;
+pub mod several;
 #[cfg(test)]
 mod tests;
 mod xmp;

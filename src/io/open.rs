@@ -79,7 +79,7 @@ pub(crate) fn read_up_to(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Problem
     Ok(std::fs::read(path)?)
 }
 
-fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, Problem> {
+pub(super) fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, Problem> {
     let kind = FileType::of(bytes)?;
     match formats::read_within(bytes, name, job)? {
         Some(file) => Ok(file.into()),

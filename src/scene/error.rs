@@ -1,5 +1,6 @@
 //! Why a picture was not made: the rooms below say it, this one hands it on.
 
+use crate::burst::BurstError;
 use crate::io::OpenError;
 use crate::io::save::SaveError;
 use crate::job::Cancelled;
@@ -21,6 +22,9 @@ pub enum SceneError {
     /// The light field could not be made.
     #[error(transparent)]
     Synth(#[from] SynthError),
+    /// Several photos could not become one light field.
+    #[error(transparent)]
+    Burst(#[from] BurstError),
     /// The lens renderer cannot use the disparities.
     #[error(transparent)]
     Lens(#[from] LensError),

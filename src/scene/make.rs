@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::picture::{MadeBy, MadeViews, Scene};
-use super::{Content, DepthFrom, OnePhoto, Recipe, Recorded, SceneError, Subject};
+use super::{Content, DepthFrom, OnePhoto, Recipe, Recorded, SceneError, Subject, several};
 use crate::errors::sentence;
 use crate::field::{DisparityMap, RelativeDepth, Strength, fit_long_side};
 use crate::io::formats::depth_map::GivenDepth;
@@ -150,6 +150,9 @@ impl Maker {
         need: Need,
         job: &Job,
     ) -> Result<Scene, SceneError> {
+        if let Some(scene) = self.of_several(subject, one, how, need, job)? {
+            return Ok(scene);
+        }
         let how = &Making { source: self.source_of(one, how, job), ..how.clone() };
         let params = params(one, how, job);
         let given = params.disparity.clone();
@@ -172,6 +175,28 @@ impl Maker {
         let made = nets.synthesize_cached(&one.photo, &params, self.cache.as_ref(), job)?;
         let metric = made.metric;
         Ok(Scene::of_views(subject, given, made.into(), made_by)?.in_metres(metric))
+    }
+
+    /// Several photos: what they tell, with the depth net's map fitted in; none where nothing is to be told, or another
+    /// source is asked for.
+    fn of_several(
+        &self,
+        subject: &Arc<Subject>,
+        one: &OnePhoto,
+        how: &Making,
+        need: Need,
+        job: &Job,
+    ) -> Result<Option<Scene>, SceneError> {
+        if one.several.is_none() || how.source != DepthFrom::Auto {
+            return Ok(None);
+        }
+        let params = params(one, &Making { source: DepthFrom::Network, ..how.clone() }, job);
+        let nets = self.nets(how).ok();
+        let guess =
+            nets.as_ref().map(|nets| nets.depth_map(&one.photo, &params, self.cache.as_ref(), job)).transpose()?;
+        let guess = guess.as_ref().map(|(map, _)| map);
+        let nets = nets.as_deref().map(|nets| (nets, guess));
+        several::scene(subject, one, nets, (&params, need), how, job)
     }
 
     /// What a photo's depth is made from. A net that was not asked for by name and cannot be used is told of, and the
@@ -227,7 +252,8 @@ impl Maker {
                 depths
             }
         };
-        Scene::of_views(subject, None, MadeViews { field, depths }, MadeBy::named("from disk"))
+        let provenance = recorded.provenance.clone();
+        Scene::of_views(subject, None, MadeViews { field, depths, provenance }, MadeBy::named("from disk"))
     }
 
     /// Colours cannot tell near from far (see [`Layout`](crate::io::formats::layout::Layout)); the depth net has a guess.
@@ -379,7 +405,7 @@ mod tests {
         let map =
             RelativeDepth::new(size, (0..96 * 64).map(|i| if i % 96 < 48 { 1.0 } else { 0.5 }).collect()).unwrap();
         let phone = Some(Arc::new(EmbeddedDepth { kind: DepthKind::DynamicDepth, map, metric }));
-        let content = Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, truth: None });
+        let content = Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, truth: None, several: None });
         let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, info: None, content });
         let job = Job { cancel: &Cancel::default(), sink: &() };
         let scene = Maker::default().scene(&subject, &Making::default(), Need::Map, &job).unwrap();

@@ -81,7 +81,7 @@ impl Scene {
         let colours = if self.subject().photo().is_some() { Colours::Photo } else { Colours::Recorded };
         let maps = [&self.map().resized(size)?, &map.resized(size)?];
         let (field, depths) = carry::carried((&views.field, &views.depths), maps, colours, job)?;
-        Ok(MadeViews { field, depths })
+        Ok(MadeViews { field, depths, provenance: views.provenance.clone() })
     }
 }
 
@@ -182,10 +182,16 @@ mod tests {
     #[test]
     fn of_a_recorded_light_field_rays_follow_and_views_stay() {
         let (photo, _) = scene(&subject(), &Repairs::default(), Need::Views);
-        let MadeViews { field, depths } = photo.made_views().unwrap().clone();
+        let MadeViews { field, depths, .. } = photo.made_views().unwrap().clone();
         let (shown, depths) = (Arc::clone(&field), Some(Arc::clone(&depths)));
-        let content =
-            Content::Views(Recorded { shown, stored: None, depths, reference: None, layout: Default::default() });
+        let content = Content::Views(Recorded {
+            shown,
+            stored: None,
+            depths,
+            reference: None,
+            provenance: None,
+            layout: Default::default(),
+        });
         let recorded = Arc::new(Subject { name: String::new(), path: None, info: None, content });
         let (mended, told) = scene(&recorded, &repairs(&recorded), Need::Views);
         assert!(told.is_empty(), "{told:?}");

@@ -4,7 +4,7 @@
 //! path ─Subject::open─► Subject ─Maker─► Scene ─Edit─► picture ─export─► file
 //! ```
 //!
-//! * [`Subject`]: a photo or a recorded light field, and what is known of its depth.
+//! * [`Subject`]: a photo, several of one subject, or a recorded light field, and what is known of its depth.
 //! * [`Maker`]: its disparities and views, by nets that stay warm, from the cache, or by sweep; only what is needed.
 //! * [`Scene`]: a subject with its disparity; pictures of it by the lens renderer, or by its views.
 //! * [`Edit`], [`Focus`]: what a person does to a picture, in numbers without a width.
@@ -27,6 +27,7 @@ mod picture;
 pub mod real;
 pub mod recipe;
 mod series;
+mod several;
 pub mod sharp;
 mod source;
 mod strength;
@@ -40,5 +41,6 @@ pub use mended::OTHER_PHOTO;
 pub use picture::{MadeViews, OutputSize, Scene};
 pub use recipe::Recipe;
 pub use series::Movement;
+pub use several::{Several, SeveralAsked, SeveralFound, told as rays_told};
 pub use source::DepthFrom;
 pub use subject::{Content, OnePhoto, Recorded, Subject};

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Edit, Focus, SceneError, Subject, focus, sharp};
+use super::{Content, Edit, Focus, SceneError, SeveralFound, Subject, focus, sharp};
 use crate::field::{
-    DisparityMap, FNumber, Lens, LightField, Photo, Picture, Pixels, RayDepths, Strength, fit_long_side,
+    DisparityMap, FNumber, Lens, LightField, Photo, Picture, Pixels, Provenance, RayDepths, Strength, fit_long_side,
 };
 use crate::io::save::Origin;
 use crate::job::Job;
@@ -80,11 +80,13 @@ pub struct MadeViews {
     pub field: Arc<LightField>,
     /// The disparity of every ray.
     pub depths: Arc<RayDepths>,
+    /// Where each ray's colour comes from, where several photos saw the scene.
+    pub provenance: Option<Arc<Provenance>>,
 }
 
 impl From<Synthesis> for MadeViews {
     fn from(made: Synthesis) -> Self {
-        Self { field: made.field, depths: made.depths }
+        Self { field: made.field, depths: made.depths, provenance: None }
     }
 }
 
@@ -214,6 +216,14 @@ impl Scene {
         &self.made_by.models
     }
 
+    /// What is known of the photos that it is made of; none where it is of one.
+    pub fn several(&self) -> Option<SeveralFound> {
+        match &self.subject.content {
+            Content::Photo(one) => one.several.as_ref()?.found(),
+            Content::Views(_) => None,
+        }
+    }
+
     /// Who made it, for people.
     pub fn made_by(&self) -> String {
         let models = self.made_by.models.iter().map(|model| &model.id);
@@ -334,7 +344,7 @@ impl Scene {
 
     /// Shift and add (paper, §1); closed down, the view itself.
     fn sum_of_views(&self, edit: &Edit) -> Result<Picture, SceneError> {
-        let MadeViews { field, depths } = self.made_views()?;
+        let MadeViews { field, depths, .. } = self.made_views()?;
         if edit.f_number.added_views() == 0.0 {
             return Ok(cpu::view_with_depths(field, Some(depths), edit.viewpoint));
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::picture::{MadeViews, Scene};
-use super::{Content, Making, Need, OnePhoto, SceneError};
+use super::{Content, Making, Need, OnePhoto, SceneError, several};
 use crate::field::{LightField, RayDepths, Strength, View, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
@@ -55,16 +55,18 @@ impl Scene {
         let of_views = |views: &MadeViews| views.field.size().into_iter().max();
         let long_side = self.as_made().views().and_then(of_views).unwrap_or(how.long_side);
         let params = SynthParams { long_side, threads: how.threads, ..SynthParams::default() };
-        Ok(synthesize_bared(&one.photo, self.map(), &params, job)?.into())
+        let made = synthesize_bared(&one.photo, self.map(), &params, job)?;
+        several::stronger(one, made, self.strength().0, job)
     }
 }
 
 /// A recorded light field whose views stand closer together, with the disparities that they then have.
 fn closer(views: &MadeViews, strength: Strength, job: &Job) -> Result<MadeViews, SceneError> {
-    let MadeViews { field, depths } = views;
+    let MadeViews { field, depths, .. } = views;
     let map = depths.reference_map().at_strength(strength);
     let field = between(field, depths, strength, job)?;
-    Ok(MadeViews { depths: Arc::new(lift::lifted(&map, field.grid(), job)?), field })
+    let depths = Arc::new(lift::lifted(&map, field.grid(), job)?);
+    Ok(MadeViews { field, depths, provenance: None })
 }
 
 /// What is seen from `s·u`, for every view `u`.
@@ -128,12 +130,13 @@ mod tests {
     }
 
     fn recorded(strength: f32) -> Scene {
-        let MadeViews { field, depths } = photo(1.0).made_views().unwrap().clone();
+        let MadeViews { field, depths, .. } = photo(1.0).made_views().unwrap().clone();
         let content = Content::Views(Recorded {
             shown: field,
             stored: None,
             depths: Some(depths),
             reference: None,
+            provenance: None,
             layout: Default::default(),
         });
         made(Subject { name: String::new(), path: None, info: None, content }, strength)

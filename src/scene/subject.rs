@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::SceneError;
-use crate::field::{DisparityMap, LightField, Photo, RayDepths, Strength, View};
+use super::{SceneError, Several};
+use crate::field::{DisparityMap, LightField, Photo, Provenance, RayDepths, Strength, View};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::layout::Layout;
 use crate::io::{self, EmbeddedDepth, FileInfo, LightFieldFile, Opened, PhotoFile};
@@ -45,6 +45,8 @@ pub struct OnePhoto {
     pub own_map: Option<GivenDepth>,
     /// The true disparity, where the program drew the photo itself.
     pub truth: Option<Arc<DisparityMap>>,
+    /// Other photos of the same subject.
+    pub several: Option<Arc<Several>>,
 }
 
 /// A light field as it was recorded.
@@ -58,6 +60,8 @@ pub struct Recorded {
     pub depths: Option<Arc<RayDepths>>,
     /// The disparity of the reference view alone, where the file has only that.
     pub reference: Option<Arc<DisparityMap>>,
+    /// Where each ray's colour comes from, where the file says it.
+    pub provenance: Option<Arc<Provenance>>,
     /// How the stored views were laid out to fit the conventions.
     pub layout: Layout,
 }
@@ -84,7 +88,8 @@ impl Subject {
 
     /// A photo that is no file.
     pub fn from_photo(photo: Arc<Photo>, name: &str) -> Self {
-        let content = Content::Photo(OnePhoto { photo, f35_mm: None, phone: None, own_map: None, truth: None });
+        let content =
+            Content::Photo(OnePhoto { photo, f35_mm: None, phone: None, own_map: None, truth: None, several: None });
         Self { name: name.to_owned(), path: None, info: None, content }
     }
 
@@ -158,7 +163,7 @@ impl Subject {
 impl From<PhotoFile> for OnePhoto {
     fn from(file: PhotoFile) -> Self {
         let (f35_mm, phone) = (file.info.f35_mm, file.depth.map(Arc::new));
-        Self { photo: file.photo, f35_mm, phone, own_map: None, truth: None }
+        Self { photo: file.photo, f35_mm, phone, own_map: None, truth: None, several: None }
     }
 }
 
@@ -170,6 +175,7 @@ impl From<LightFieldFile> for Recorded {
             shown: shown.unwrap_or(file.field),
             depths: file.depths,
             reference: file.reference_disparity.map(Arc::new),
+            provenance: file.provenance,
             layout: file.layout,
         }
     }
@@ -186,7 +192,7 @@ impl Recorded {
     pub fn laid_out(&self, layout: Layout) -> Self {
         let turn = |field: &Arc<LightField>| Arc::new(layout.apply(&self.layout.undo(field)));
         let (shown, stored) = (turn(&self.shown), self.stored.as_ref().map(turn));
-        Self { shown, stored, layout, depths: None, reference: None }
+        Self { shown, stored, layout, depths: None, reference: None, provenance: None }
     }
 }
 

@@ -6,9 +6,11 @@
 
 use rayon::prelude::*;
 
-use super::{Scene, SceneError};
+use super::{MadeViews, Scene, SceneError};
 use crate::field::color::linear_from_srgb8;
-use crate::field::{FNumber, Lens, Picture, Raster, RayDepths, View, ViewGrid, ViewIndex, ViewPoint, ramp};
+use crate::field::{
+    FNumber, Lens, Picture, Provenance, Raster, RayDepths, Seen, View, ViewGrid, ViewIndex, ViewPoint, ramp,
+};
 
 /// A surface hides a ray's end when it is nearer by this much, px per view step.
 const HIDDEN_PX: f32 = 0.15;
@@ -31,6 +33,8 @@ pub struct Trust<'a> {
     depths: &'a RayDepths,
     /// Whether other views than the reference view were made of it.
     is_made: bool,
+    /// Where each ray comes from, where that is known.
+    provenance: Option<&'a Provenance>,
 }
 
 /// For each view, the share of it that was invented, in `[v, u]` order.
@@ -83,7 +87,8 @@ impl Scene {
     /// # Errors
     /// It has no views.
     pub fn trust(&self) -> Result<Trust<'_>, SceneError> {
-        Ok(Trust { depths: &self.made_views()?.depths, is_made: self.subject().photo().is_some() })
+        let MadeViews { depths, provenance, .. } = self.made_views()?;
+        Ok(Trust { depths, is_made: self.subject().photo().is_some(), provenance: provenance.as_deref() })
     }
 }
 
@@ -134,6 +139,9 @@ impl Trust<'_> {
         let grid = self.depths.grid();
         if view == grid.reference() && self.is_made {
             return 0.0;
+        }
+        if let Some(provenance) = self.provenance {
+            return f32::from(u8::from(provenance.at(view, x, y) == Seen::Invented));
         }
         let d = self.depths.at(view, x, y);
         if self.is_made && self.is_unseen(view, [x, y], d) { 1.0 } else { self.residual(view, [x, y], d) }
@@ -204,7 +212,7 @@ mod tests {
     #[test]
     fn what_comes_out_from_behind_a_post_is_invented_and_nothing_else() {
         let depths = post(40, 1.5);
-        let trust = Trust { depths: &depths, is_made: true };
+        let trust = Trust { depths: &depths, is_made: true, provenance: None };
         let view = ViewIndex { v: 4, u: 1 };
         let doubt = trust.of_view(view);
         // Three steps to the left the post is 3 · 2 px to the right of the plane behind it.
@@ -218,11 +226,11 @@ mod tests {
     fn the_deeper_the_scene_the_sooner_the_limit_and_a_flat_one_has_none() {
         let flat = post(40, -0.5);
         let [flat, low, high] = [&flat, &post(40, 0.3), &post(40, 1.5)]
-            .map(|depths| Trust { depths, is_made: true }.invented().limits(USUAL_LIMIT));
+            .map(|depths| Trust { depths, is_made: true, provenance: None }.invented().limits(USUAL_LIMIT));
         assert!(high.widest.0 > low.widest.0 && high.reach <= low.reach, "{high:?}\n{low:?}");
         assert!(low.reach <= flat.reach && flat.widest.0 <= low.widest.0);
         let deep = post(40, 1.5);
-        let invented = Trust { depths: &deep, is_made: true }.invented();
+        let invented = Trust { depths: &deep, is_made: true, provenance: None }.invented();
         let more = invented.limits(0.1);
         assert!(more.widest.0 < high.widest.0, "who allows more may open wider");
         assert_eq!(invented.of(ViewGrid::PAPER.reference()), 0.0);
@@ -231,20 +239,23 @@ mod tests {
     #[test]
     fn recorded_views_are_doubted_only_where_they_disagree() {
         let depths = post(40, 1.5);
-        let recorded = Trust { depths: &depths, is_made: false };
-        let made = Trust { depths: &depths, is_made: true };
+        let recorded = Trust { depths: &depths, is_made: false, provenance: None };
+        let made = Trust { depths: &depths, is_made: true, provenance: None };
         let view = ViewIndex { v: 4, u: 1 };
         assert!(recorded.share(view) < made.share(view));
         let wrong: Vec<f32> =
             depths.disparity_px().iter().enumerate().map(|(i, d)| if i / 6400 == 33 { d + 1.0 } else { *d }).collect();
         let wrong = RayDepths::new(ViewGrid::PAPER, depths.size(), wrong).unwrap();
-        assert!(Trust { depths: &wrong, is_made: false }.share(view) > 0.9, "one view says otherwise");
+        assert!(
+            Trust { depths: &wrong, is_made: false, provenance: None }.share(view) > 0.9,
+            "one view says otherwise"
+        );
     }
 
     #[test]
     fn a_closed_lens_shows_one_view_and_an_open_one_the_mean_of_many() {
         let depths = post(40, 1.5);
-        let trust = Trust { depths: &depths, is_made: true };
+        let trust = Trust { depths: &depths, is_made: true, provenance: None };
         let sum = |f: f32| {
             let lens = Lens { f_number: FNumber(f), ..Lens::default() };
             trust.of_picture(&lens, ViewPoint::default()).pixels().iter().sum::<f32>()

@@ -9,15 +9,17 @@ use super::lambertian::{encode, render_row};
 use super::lift::STEP_PX;
 use super::picture::Signed;
 use crate::background::{self, Beside, Front, Hidden, SHARE};
-use crate::field::{FieldError, Raster, RayDepths, View, ViewOffset, bilinear, ramp};
+use crate::field::{DisparityMap, FieldError, Raster, RayDepths, View, ViewGrid, ViewOffset, bilinear, ramp};
 
 /// A surface is behind another when it is farther by this much, px per view step.
 const APART_PX: f32 = 0.08;
 /// The photo's surface hides a ray's end when it is nearer by the second of these, and does not by the first.
 const HIDDEN_PX: [f32; 2] = [0.5 * STEP_PX, 1.5 * STEP_PX];
+/// A ray that ends this far beside the photo, in pixels, shows what the photo does not.
+const BESIDE_PX: f32 = 0.75;
 
 /// What the photo sees, and what goes on behind it.
-pub(super) struct FarSide {
+pub struct FarSide {
     /// Each place's own surface, and what is nearer beside it.
     front: Raster<(f32, Option<Beside>)>,
     behind: Raster<Hidden>,
@@ -34,8 +36,17 @@ impl FarSide {
         Self { front: Raster::par_from_fn(photo.size(), |x, y| of(y * width + x)), behind }
     }
 
+    /// Of a view and its own disparity.
+    ///
+    /// # Errors
+    /// None for a map of the view's size.
+    pub fn of_view(view: &View, map: &DisparityMap) -> Result<Self, FieldError> {
+        let depths = RayDepths::new(ViewGrid::new(1, 1)?, map.size(), map.disparity_px().to_vec())?;
+        Ok(Self::new(&Signed::from_view(view), &depths))
+    }
+
     /// One whole view from its ray depths, `[y, x]` of the photo's size.
-    pub(super) fn view(&self, photo: &Signed, disparity_px: &[f32], from: ViewOffset) -> Result<View, FieldError> {
+    pub fn view(&self, photo: &Signed, disparity_px: &[f32], from: ViewOffset) -> Result<View, FieldError> {
         let [w, h] = photo.sides();
         let mut rgba = vec![255; w * h * 4];
         for (y, (row, d)) in rgba.chunks_exact_mut(w * 4).zip(disparity_px.chunks_exact(w)).enumerate() {
@@ -47,19 +58,35 @@ impl FarSide {
         View::new(photo.size(), rgba)
     }
 
-    /// The colour of a pixel of a view whose ray has disparity `d`: `own` where the photo sees its end.
+    /// Whether a ray of disparity `d` ends where the photo does not see it, behind a nearer surface or beside the photo:
+    /// 0 seen … 1.
+    pub fn unseen(&self, [x, y]: [usize; 2], from: ViewOffset, d: f32) -> f32 {
+        let end = [x as f32 + from.du * d, y as f32 + from.dv * d];
+        let sides = self.front.sides();
+        let is_beside = |axis: usize| end[axis] < -BESIDE_PX || end[axis] > sides[axis] as f32 - 1.0 + BESIDE_PX;
+        if is_beside(0) || is_beside(1) { 1.0 } else { self.hidden(end, from, d) }
+    }
+
+    /// Whether the photo's surfaces hide the place where a ray of disparity `d` ends: 0 … 1.
     #[inline]
-    pub(super) fn colour(&self, own: Vec4, [x, y]: [usize; 2], from: ViewOffset, d: f32) -> Vec4 {
-        let [x, y] = [x as f32 + from.du * d, y as f32 + from.dv * d];
+    fn hidden(&self, [x, y]: [f32; 2], from: ViewOffset, d: f32) -> f32 {
         let inside = |at: f32, side: usize| (at.round().max(0.0) as usize).min(side - 1);
         let [width, height] = self.front.sides();
         let (front_px, beside) = self.front.at(inside(x, width), inside(y, height));
         let hides = |surface_px: f32| ramp(HIDDEN_PX[0], HIDDEN_PX[1], surface_px - d);
         let bare = |beside: Beside| hides(beside.disparity_px) * beside.bare(d, [from.du, from.dv]);
-        let unseen = hides(front_px).max(beside.map_or(0.0, bare));
+        hides(front_px).max(beside.map_or(0.0, bare))
+    }
+
+    /// The colour of a pixel of a view whose ray has disparity `d`: `own` where the photo sees its end.
+    #[inline]
+    pub(super) fn colour(&self, own: Vec4, [x, y]: [usize; 2], from: ViewOffset, d: f32) -> Vec4 {
+        let end = [x as f32 + from.du * d, y as f32 + from.dv * d];
+        let unseen = self.hidden(end, from, d);
         if unseen <= 0.0 {
             return own;
         }
+        let [x, y] = end;
         let cell = |i: usize| {
             let cell = &self.behind.pixels()[i];
             // Colour times share, and share.
@@ -74,7 +101,6 @@ impl FarSide {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{DisparityMap, ViewGrid};
     use crate::synth::lift;
 
     #[test]

@@ -36,6 +36,7 @@ pub mod tract;
 pub mod upsample;
 
 pub use error::{ModelError, SynthError};
+pub use far_side::FarSide;
 pub use library::{ModelBytes, ModelFile, ModelIndex, ModelSource, ModelTag};
 pub use manifest::{
     Channels, ColourOrder, Layout, LongSides, Manifest, RayDepthsFrom, RelativeOutput, RelativeRules, Task,

@@ -126,7 +126,7 @@ fn median(mut values: Vec<f32>) -> f32 {
 
 /// Smoothing over a picture's even regions, halted by its edges: the recursive domain transform (Gastal and Oliveira
 /// 2011).
-pub(super) struct EdgeAware {
+pub(crate) struct EdgeAware {
     width: usize,
     /// How much of the pixel on the left flows into a pixel in the first pass.
     across: Vec<f32>,
@@ -137,7 +137,7 @@ pub(super) struct EdgeAware {
 impl EdgeAware {
     /// For pictures of this size, values reaching as far as `reach` pixels over even colour; `difference` is that of the
     /// colours of two neighbours, mean of the channels, 0 … 1.
-    pub(super) fn new([w, h]: [usize; 2], reach: f32, difference: impl Fn(usize, usize) -> f32 + Sync) -> Self {
+    pub(crate) fn new([w, h]: [usize; 2], reach: f32, difference: impl Fn(usize, usize) -> f32 + Sync) -> Self {
         let first_sigma = reach * 3f32.sqrt() * 2f32.powi(PASSES as i32 - 1) / (4f32.powi(PASSES as i32) - 1.0).sqrt();
         let rate = -(2f32.sqrt()) / first_sigma;
         // The distance between two neighbours is 1 on even colour, more over an edge.
@@ -156,7 +156,7 @@ impl EdgeAware {
     }
 
     /// Smooths values, `[y, x]`.
-    pub(super) fn smooth<const N: usize>(&self, values: &mut [[f32; N]], cancel: &Cancel) -> Result<(), Cancelled> {
+    pub(crate) fn smooth<const N: usize>(&self, values: &mut [[f32; N]], cancel: &Cancel) -> Result<(), Cancelled> {
         for pass in 0..PASSES {
             cancel.check()?;
             // Each pass has half the σ of the one before: its weights are their squares.

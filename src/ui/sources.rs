@@ -61,7 +61,7 @@ mod tests {
         let photo = Arc::new(Photo::from_srgb8([2, 1], vec![9; 8]).unwrap());
         let map = RelativeDepth::new([1, 1], vec![1.0]).unwrap();
         let phone = Arc::new(EmbeddedDepth { kind: DepthKind::Gdepth, map, metric: true });
-        OnePhoto { photo, f35_mm: None, phone: has_phone.then_some(phone), own_map: None, truth: None }
+        OnePhoto { photo, f35_mm: None, phone: has_phone.then_some(phone), own_map: None, truth: None, several: None }
     }
 
     #[test]

@@ -66,7 +66,7 @@ fn settings(args: &Export) -> Settings {
 }
 
 /// Where it is written, named after the input.
-fn target(output: &Path, settings: &Settings, input: &Path) -> PathBuf {
+pub(super) fn target(output: &Path, settings: &Settings, input: &Path) -> PathBuf {
     let name = input.file_name().map_or_else(|| "photo".to_owned(), |name| name.to_string_lossy().into_owned());
     asked::field_target(output, settings, &name)
 }

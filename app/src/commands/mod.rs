@@ -2,6 +2,7 @@
 
 mod batch;
 mod bench;
+mod burst;
 mod depth;
 mod epi;
 mod export;
@@ -35,6 +36,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
     }
     match cli.command {
         Some(Command::Synth(args)) => export::synth(&args, &job),
+        Some(Command::Burst(args)) => burst::run(&args, &job),
         Some(Command::Refocus(args)) => refocus::run(&args, &job),
         Some(Command::View(args)) => view::run(&args, &job),
         Some(Command::Epi(args)) => epi::run(&args, &job),

@@ -5,6 +5,7 @@ mod agree;
 mod basics;
 mod batch;
 mod book;
+mod burst;
 mod common;
 mod light_field;
 mod nets;

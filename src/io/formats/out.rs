@@ -7,7 +7,7 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Compression, Encoder};
 
 use super::pfm;
-use crate::field::{LightField, Photo, RayDepths, View};
+use crate::field::{LightField, Photo, Provenance, RayDepths, View};
 use crate::io::save::{SaveError, atomic};
 use crate::job::{Job, Stage};
 
@@ -18,6 +18,8 @@ pub struct FieldToWrite<'a> {
     pub field: &'a LightField,
     /// Their ray depths, for the formats that hold them or need them.
     pub depths: Option<&'a RayDepths>,
+    /// Where each ray's colour comes from, where several photos saw the scene.
+    pub provenance: Option<&'a Provenance>,
     /// The photo that the light field was made from.
     pub photo: Option<&'a Photo>,
     /// The models that made it: id and sha256.
@@ -27,7 +29,7 @@ pub struct FieldToWrite<'a> {
 impl<'a> FieldToWrite<'a> {
     /// Views without anything else.
     pub fn new(field: &'a LightField) -> Self {
-        Self { field, depths: None, photo: None, models: &[] }
+        Self { field, depths: None, provenance: None, photo: None, models: &[] }
     }
 
     /// The ray depths, or why the format cannot be written.

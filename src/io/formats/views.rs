@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use png::{BitDepth, ColorType};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::grid_names::{self, GridFiles};
 use super::out::{self, FieldToWrite};
 use super::{layout, pfm};
-use crate::field::{DisparityMap, LightField, Photo, RayDepths, View, ViewGrid, ViewIndex};
+use crate::field::{DisparityMap, LightField, Photo, Provenance, RayDepths, Seen, View, ViewGrid, ViewIndex};
 use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
 use crate::io::save::{self, SaveError};
 use crate::io::{FileInfo, LightFieldFile, Opened, Problem, raster};
@@ -88,7 +89,9 @@ pub(super) fn read_files(
     let name = |at: ViewIndex| folder.join(format!("disparity_{}_{}.pfm", at.v, at.u));
     let depths = read_depths(&field, name, job, &mut warnings)?;
     info.warnings = warnings;
+    let provenance = read_provenance(folder, &field);
     let mut file = LightFieldFile::new(Arc::new(field), depths, info);
+    file.provenance = provenance;
     // Our own folders say how they lie; of others it is found out.
     if index.grid.is_none() && file.depths.is_none() {
         super::check_layout(&mut file);
@@ -188,6 +191,26 @@ pub(super) fn read_depths(
     }
 }
 
+/// Reads where rays come from; none where one file is missing or broken, as the light field is whole without.
+fn read_provenance(folder: &Path, field: &LightField) -> Option<Arc<Provenance>> {
+    let grid = field.grid();
+    let views: Vec<ViewIndex> = grid.views().collect();
+    let one = |at: &ViewIndex| {
+        let bytes = read_file(&folder.join(seen_name(*at))).ok()?;
+        let size = raster::header_size(&bytes).ok().filter(|size| *size == field.size())?;
+        let (_, pixels) = raster::decode_rgba8(&bytes).ok().filter(|decoded| decoded.0 == size)?;
+        Some(pixels.into_iter().map(|pixel| Seen::of_grey(pixel[0])).collect::<Vec<_>>())
+    };
+    let first = one(&views[0])?;
+    let rest = views[1..].par_iter().map(one).collect::<Option<Vec<_>>>()?;
+    Provenance::new(grid, field.size(), [first, rest.concat()].concat()).ok().map(Arc::new)
+}
+
+/// The file that says where a view's rays come from.
+fn seen_name(at: ViewIndex) -> String {
+    format!("seen_{}_{}.png", at.v, at.u)
+}
+
 /// `lightfield.json` as it is written.
 #[derive(Serialize)]
 struct WrittenIndex<'a> {
@@ -199,6 +222,17 @@ struct WrittenIndex<'a> {
     photo: Option<String>,
     models: Vec<WrittenModel<'a>>,
     convention: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seen: Option<WrittenSeen<'a>>,
+}
+
+/// Where the rays come from: shares of all of them.
+#[derive(Serialize)]
+struct WrittenSeen<'a> {
+    in_the_photo: f32,
+    in_another_photo: f32,
+    invented: f32,
+    files: &'a str,
 }
 
 #[derive(Serialize)]
@@ -212,7 +246,11 @@ const CONVENTION: &str = "view(v,u)[y, x] = reference[y + (v-v0)*D, x + (u-u0)*D
     v counts views downwards, u to the right; D is the ray's own disparity in disparity_V_U.pfm, in pixels per view \
     step; D > 0 is nearer than the focal plane";
 
-/// Writes our `views` folder: `view_V_U.png`, `disparity_V_U.pfm`, `lightfield.json`.
+/// What stands in the files of [`seen_name`], for people.
+const SEEN: &str = "seen_V_U.png: 255 the reference photo saw the ray, 128 another photo did, 0 it is invented";
+
+/// Writes our `views` folder: `view_V_U.png`, `disparity_V_U.pfm`, `lightfield.json`; of several photos also
+/// `seen_V_U.png`.
 ///
 /// # Errors
 /// [`SaveError`]; then nothing has been written.
@@ -220,6 +258,7 @@ pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveEr
     let is_ours = |name: &str| {
         name == INDEX_FILE
             || (name.starts_with("view_") && name.ends_with(".png"))
+            || (name.starts_with("seen_") && name.ends_with(".png"))
             || (name.starts_with("disparity_") && name.ends_with(".pfm"))
     };
     save::folder(path, is_ours, |folder| {
@@ -230,6 +269,14 @@ pub fn write(path: &Path, source: &FieldToWrite, job: &Job) -> Result<(), SaveEr
                 let name = format!("disparity_{}_{}.pfm", at.v, at.u);
                 out::map_pfm(&folder.join(name), depths.size(), depths.view(at))?;
             }
+        }
+        if let Some(provenance) = source.provenance {
+            provenance.grid().views().collect::<Vec<_>>().into_par_iter().try_for_each(|at| {
+                let grey = provenance.picture(at);
+                let rows = grey.pixels().chunks_exact(grey.size()[0] as usize).map(<[u8]>::to_vec);
+                let kind = (ColorType::Grayscale, BitDepth::Eight);
+                out::file(&folder.join(seen_name(at)), |file| out::png(file, grey.size(), kind, &[], rows))
+            })?;
         }
         let index = serde_json::to_vec_pretty(&index_of(source)).unwrap_or_default();
         out::file(&folder.join(INDEX_FILE), |file| file.write_all(&index))
@@ -249,5 +296,11 @@ fn index_of<'a>(source: &FieldToWrite<'a>) -> WrittenIndex<'a> {
         photo: source.photo.and_then(name),
         models: source.models.iter().map(|(id, sha256)| WrittenModel { id, sha256 }).collect(),
         convention: CONVENTION,
+        seen: source.provenance.map(|provenance| WrittenSeen {
+            in_the_photo: provenance.share(Seen::Reference),
+            in_another_photo: provenance.share(Seen::Frame),
+            invented: provenance.share(Seen::Invented),
+            files: SEEN,
+        }),
     }
 }

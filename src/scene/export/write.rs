@@ -132,12 +132,13 @@ fn depth(scene: &Scene, kind: Kind, target: &Path, job: &Job) -> Result<(), Scen
 
 /// What is made of all views: light fields, stereo pictures, point clouds.
 fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
-    let MadeViews { field, depths } = scene.views().ok_or(SceneError::NoViews)?;
+    let MadeViews { field, depths, provenance } = scene.views().ok_or(SceneError::NoViews)?;
     // A dark light field is shown brighter, and written as it is.
     let stored = &scene.stored(job)?;
     let models: Vec<_> = scene.models().iter().map(|model| (model.id.clone(), model.sha256.clone())).collect();
     let photo = scene.subject().photo().map(AsRef::as_ref);
-    let source = FieldToWrite { field: stored, depths: Some(depths), photo, models: &models };
+    let provenance = provenance.as_deref();
+    let source = FieldToWrite { field: stored, depths: Some(depths), provenance, photo, models: &models };
     let view = |at| cpu::view_with_depths(field, Some(depths), at);
     job.advance(Stage::Save, 0, 1)?;
     let writer = formats::by_id(settings.kind.spec().id).and_then(|entry| entry.writer);

@@ -1,0 +1,378 @@
+//! A subject of several photos: one is looked at, the others saw more of it.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::picture::{MadeBy, MadeViews, Scene};
+use super::{Content, Making, Need, OnePhoto, SceneError, Subject};
+use crate::burst::{self, BurstError, Solved};
+use crate::errors::sentence;
+use crate::field::{DisparityMap, Provenance, Seen, Size, View};
+use crate::io::{PhotoFile, several};
+use crate::job::{Job, Stage};
+use crate::synth::{SynthParams, Synthesis, Synthesizer, reference_view, synthesize_bared, tract};
+
+/// Shapes that differ by more than this part are of other cameras, or turned.
+const SAME_SHAPE: f32 = 0.02;
+/// The same for focal lengths.
+const SAME_LENS: f32 = 0.03;
+
+/// Photos beside the one that is looked at.
+#[derive(Debug)]
+pub struct Several {
+    /// Small copies, and what they are called.
+    frames: Vec<(String, View)>,
+    /// How much of the baseline the light field takes; none where the scene says it.
+    share: Option<f64>,
+    solved: Mutex<Option<Outcome>>,
+}
+
+/// What they told, or why nothing.
+type Outcome = Result<Arc<Solved>, String>;
+
+/// What is asked for of several photos.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeveralAsked {
+    /// Which of the photos is looked at, from 0.
+    pub reference: usize,
+    /// How much of the baseline that was there lies between the reference view and the outermost ones.
+    pub share: Option<f64>,
+}
+
+/// What is known of a light field of several photos, for people and for programs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeveralFound {
+    /// Photos that were used, with the reference photo.
+    pub used: usize,
+    /// Median distance of where things are from where the cameras see them, in pixels of a picture of 1280.
+    pub reprojection_px: f64,
+    /// How much of the baseline lies between the reference view and the outermost ones.
+    pub share: f64,
+}
+
+impl Subject {
+    /// Opens photos of one subject: files, folders, pictures that hold several. What cannot be used is told of and left out.
+    ///
+    /// # Errors
+    /// The reference photo cannot be opened, or there is none of that number.
+    pub fn open_several(paths: &[PathBuf], asked: SeveralAsked, job: &Job) -> Result<Self, SceneError> {
+        let files = several::listed(paths)?;
+        let path = files.get(asked.reference).ok_or_else(|| {
+            let (number, count) = (asked.reference + 1, files.len());
+            SceneError::Refused(format!(
+                "there is no photo {number} — {count} were given — name another as --reference"
+            ))
+        })?;
+        let mut own = several::photos(path, job)?.into_iter();
+        let Some(first) = own.next() else { return Self::open(path, job) };
+        first.warnings.iter().for_each(|warning| job.sink.warning(warning.clone()));
+        let mut frames: Vec<(String, View)> = Vec::new();
+        for (n, other) in own.enumerate() {
+            frames.extend(small(&other, &format!("picture {}", n + 2), &first, job)?);
+        }
+        frames.extend(others(&files, asked.reference, &first, job)?);
+        let mut subject = Self::from_opened(first.into(), path);
+        if let Content::Photo(one) = &mut subject.content {
+            if frames.is_empty() {
+                job.sink.warning("There is only one photo that can be used, so its other views are made".to_owned());
+            } else {
+                one.several = Some(Arc::new(Several { frames, share: asked.share, solved: Mutex::default() }));
+            }
+        }
+        Ok(subject)
+    }
+}
+
+/// The frames of all files but one, evenly chosen where there are too many.
+fn others(
+    files: &[PathBuf],
+    reference: usize,
+    first: &PhotoFile,
+    job: &Job,
+) -> Result<Vec<(String, View)>, SceneError> {
+    let mut rest: Vec<&PathBuf> =
+        files.iter().enumerate().filter(|(i, _)| *i != reference).map(|(_, path)| path).collect();
+    let most = burst::MOST - 1;
+    if rest.len() > most {
+        job.sink.warning(format!(
+            "{} photos are more than are needed: {} of them are used, evenly apart",
+            files.len(),
+            most + 1
+        ));
+        rest = (0..most).map(|i| rest[i * rest.len() / most]).collect();
+    }
+    let (done, total) = (AtomicU32::new(0), rest.len() as u32);
+    let read = |path: &&PathBuf| -> Result<Vec<(String, View)>, SceneError> {
+        job.check()?;
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let found = match several::photos(path, job) {
+            Ok(files) => files.iter().map(|file| small(file, &name, first, job)).collect::<Result<Vec<_>, _>>()?,
+            Err(error) => {
+                job.check()?;
+                job.sink.warning(format!("{} — it is left out", sentence(&error)));
+                Vec::new()
+            }
+        };
+        job.advance(Stage::Open, done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
+        Ok(found.into_iter().flatten().collect())
+    };
+    Ok(rest.par_iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
+}
+
+/// A frame as small as it is needed; none, and the person is told, where it is not of the reference photo's camera.
+fn small(file: &PhotoFile, name: &str, first: &PhotoFile, job: &Job) -> Result<Option<(String, View)>, SceneError> {
+    let shape = |size: Size| size[0] as f32 / size[1] as f32;
+    let differs = |a: f32, b: f32, by: f32| (a / b - 1.0).abs() > by;
+    let why = match (file.info.f35_mm, first.info.f35_mm) {
+        _ if differs(shape(file.photo.size()), shape(first.photo.size()), SAME_SHAPE) => "it has another shape",
+        (Some(a), Some(b)) if differs(a, b, SAME_LENS) => "it was taken with another lens or zoom",
+        _ => return Ok(Some((name.to_owned(), reference_view(&file.photo, burst::FRAME_LONG_SIDE, job)?))),
+    };
+    job.sink.warning(format!("{name} is left out — {why} than the first photo"));
+    Ok(None)
+}
+
+impl Several {
+    /// How many other photos there are.
+    pub fn count(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// What the photos tell, found once; none, and the person is told, where they tell nothing.
+    fn solved(&self, one: &OnePhoto, job: &Job) -> Result<Option<Arc<Solved>>, SceneError> {
+        let mut known = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.is_none() {
+            *known = Some(self.solve(one, job)?);
+        }
+        match known.as_ref() {
+            Some(Ok(solved)) => Ok(Some(Arc::clone(solved))),
+            Some(Err(why)) => {
+                job.sink.warning(why.clone());
+                Ok(None)
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn solve(&self, one: &OnePhoto, job: &Job) -> Result<Outcome, SceneError> {
+        let reference = reference_view(&one.photo, burst::FRAME_LONG_SIDE, job)?;
+        let frames: Vec<View> = self.frames.iter().map(|(_, view)| view.clone()).collect();
+        let solved = match burst::solve(&reference, &frames, one.f35_mm, job) {
+            Ok(solved) => solved,
+            Err(BurstError::Cancelled(stopped)) => return Err(stopped.into()),
+            Err(BurstError::Synth(error)) => return Err(error.into()),
+            Err(error) => return Ok(Err(sentence(&error))),
+        };
+        let is_out = |i: usize| solved.posed.poses[i].is_none();
+        let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| self.frames[i].0.as_str()).collect();
+        if !out.is_empty() {
+            job.sink.warning(format!("{} of the photos do not fit and are left out: {}", out.len(), out.join(", ")));
+        }
+        Ok(Ok(Arc::new(solved)))
+    }
+
+    /// What was found, where it was.
+    fn known(&self) -> Option<Arc<Solved>> {
+        let known = self.solved.lock().unwrap_or_else(PoisonError::into_inner);
+        known.as_ref().and_then(|outcome| outcome.as_ref().ok().cloned())
+    }
+
+    /// What was found, for people and for programs.
+    pub fn found(&self) -> Option<SeveralFound> {
+        let solved = self.known()?;
+        let (_, share) = solved.step(self.share);
+        let (used, reprojection_px) = (solved.frames.len() + 1, solved.posed.reprojection_px);
+        Some(SeveralFound { used, reprojection_px, share })
+    }
+}
+
+/// A scene of several photos; none where they tell nothing.
+pub(super) fn scene(
+    subject: &Arc<Subject>,
+    one: &OnePhoto,
+    nets: Option<(&Synthesizer, Option<&DisparityMap>)>,
+    (params, need): (&SynthParams, Need),
+    how: &Making,
+    job: &Job,
+) -> Result<Option<Scene>, SceneError> {
+    let Some(several) = &one.several else { return Ok(None) };
+    let pool = tract::pool(how.threads).map_err(|error| crate::synth::SynthError::Threads(error.to_string()))?;
+    let Some(solved) = pool.install(|| several.solved(one, job))? else { return Ok(None) };
+    let guess = nets.and_then(|nets| nets.1);
+    let solved = match guess {
+        Some(guess) => solved.with_sides_of(guess)?,
+        None => solved,
+    };
+    *several.solved.lock().unwrap_or_else(PoisonError::into_inner) = Some(Ok(Arc::clone(&solved)));
+    let (step, _) = solved.step(several.share);
+    let map = pool.install(|| -> Result<_, SceneError> {
+        let reference = reference_view(&one.photo, params.long_side, job)?;
+        Ok(Arc::new(solved.map(&reference, guess, step, job)?))
+    })?;
+    let mut made_by = MadeBy::named(&format!("{} photos", solved.frames.len() + 1));
+    let params = SynthParams { disparity: Some(Arc::clone(&map)), ..params.clone() };
+    if need == Need::Map {
+        return Ok(Some(Scene::of_map(subject, map, made_by)?));
+    }
+    let made = match nets.filter(|_| how.occlusion) {
+        Some((nets, _)) => {
+            made_by.models = nets.models(&params);
+            nets.synthesize(&one.photo, &params, job)?
+        }
+        None => synthesize_bared(&one.photo, &map, &params, job)?,
+    };
+    let views = pool.install(|| of_frames(&solved, made, step, job))?;
+    Ok(Some(Scene::of_views(subject, Some(map), views, made_by)?))
+}
+
+fn of_frames(solved: &Solved, made: Synthesis, step: burst::Step, job: &Job) -> Result<MadeViews, SceneError> {
+    let (field, provenance) = solved.seen((&*made.field, &*made.depths), step, job)?;
+    Ok(MadeViews { field, depths: made.depths, provenance: Some(provenance) })
+}
+
+/// Views at another strength: rays that the photo does not see come from the frames there, too.
+pub(super) fn stronger(one: &OnePhoto, made: Synthesis, strength: f32, job: &Job) -> Result<MadeViews, SceneError> {
+    let solved = one.several.as_ref().and_then(|several| Some((several.known()?, several.share)));
+    let Some((solved, share)) = solved else { return Ok(made.into()) };
+    of_frames(&solved, made, solved.step(share).0.times(strength.into()), job)
+}
+
+/// Where a light field's rays come from, in one sentence.
+pub fn told(provenance: &Provenance) -> String {
+    let percent = |seen: Seen| 100.0 * provenance.share(seen);
+    format!(
+        "of all rays the reference photo saw {:.1} %, another photo {:.1} %; {:.1} % are invented",
+        percent(Seen::Reference),
+        percent(Seen::Frame),
+        percent(Seen::Invented)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::made::{Made, Taking, fit};
+    use crate::field::{ViewIndex, nearest};
+    use crate::job::{Cancel, Sink};
+    use crate::scene::export::{self, Kind, Settings};
+    use crate::scene::{Edit, Maker};
+    use glam::DVec3;
+
+    /// Keeps what a person is told.
+    #[derive(Default)]
+    struct Told(Mutex<Vec<String>>);
+
+    impl Sink for Told {
+        fn warning(&self, text: String) {
+            self.0.lock().unwrap().push(text);
+        }
+    }
+
+    impl Told {
+        fn take(&self) -> String {
+            std::mem::take(&mut *self.0.lock().unwrap()).join("\n")
+        }
+    }
+
+    fn saved(folder: &std::path::Path, name: &str, view: &View) -> PathBuf {
+        let path = folder.join(name);
+        let [w, h] = view.size();
+        image::save_buffer(&path, view.rgba(), w, h, image::ColorType::Rgba8).unwrap();
+        path
+    }
+
+    /// Mean difference of two views inside a margin, 0 … 1.
+    fn apart(a: &View, b: &View) -> f32 {
+        let [w, h] = a.size();
+        let inside = (12..h - 12).flat_map(|y| (12..w - 12).map(move |x| (x, y)));
+        let of = |(x, y)| (0..3).map(|c| f32::from(a.pixel(x, y)[c].abs_diff(b.pixel(x, y)[c])) / 765.0).sum::<f32>();
+        inside.map(of).sum::<f32>() / ((w - 24) * (h - 24)) as f32
+    }
+
+    #[test]
+    fn views_are_nearer_to_the_truth_than_those_of_one_photo_and_say_who_saw_them() {
+        let taking = Taking {
+            seed: 2,
+            size: [400, 300],
+            frames: 6,
+            noise: 2.0,
+            hand_m: 0.03,
+            moving_m: 0.0,
+            ..Taking::default()
+        };
+        let (made, dir, told) = (Made::new(taking), tempfile::tempdir().unwrap(), Told::default());
+        let job = Job { cancel: &Cancel::default(), sink: &told };
+        let mut paths: Vec<PathBuf> =
+            made.views.iter().enumerate().map(|(i, view)| saved(dir.path(), &format!("{i}.png"), view)).collect();
+        paths.push(saved(dir.path(), "tall.png", &View::new([30, 90], vec![99; 30 * 90 * 4]).unwrap()));
+        paths.push(dir.path().join("broken.jpg"));
+        std::fs::write(&paths[7], b"no picture").unwrap();
+        let subject = Arc::new(Subject::open_several(&paths, SeveralAsked::default(), &job).unwrap());
+        let texts = told.take();
+        assert!(texts.contains("tall.png is left out") && texts.contains("broken.jpg — it is left out"), "{texts}");
+
+        let (maker, how) = (Maker::default(), Making { long_side: 200, ..Making::default() });
+        let scene = maker.scene(&subject, &how, Need::Views, &job).unwrap();
+        assert_eq!(told.take(), "");
+        let found = scene.several().unwrap();
+        assert!(found.used == 6 && found.reprojection_px < 0.5, "{found:?}");
+        let MadeViews { field, provenance, .. } = scene.made_views().unwrap();
+        let own = reference_view(subject.photo().unwrap(), 200, &job).unwrap();
+        assert_eq!(**field.reference(), own, "the reference photo stays as it is");
+        let rays = provenance.as_deref().unwrap();
+        let [seen, frame, invented] = [Seen::Reference, Seen::Frame, Seen::Invented].map(|seen| rays.share(seen));
+        assert!(seen > 0.8 && frame > invented && invented > 0.0, "{seen} {frame} {invented}");
+        assert_eq!(maker.scene(&subject, &how, Need::Map, &job).unwrap().map(), scene.map());
+
+        // In metres: inverse depth is gain · disparity + shift.
+        let (map, width) = (scene.map(), f64::from(own.size()[0]));
+        let truth = nearest(made.inverse_depth.pixels(), taking.size, map.size());
+        let [gain, shift] = fit(map.disparity_px(), &truth).map(f64::from);
+        let step = match &subject.content {
+            Content::Photo(one) => one.several.as_ref().unwrap().known().unwrap().step(None).0,
+            Content::Views(_) => panic!("a photo"),
+        };
+        let step_m = step.step / (gain * step.gain * width);
+        let one = Subject::open(&paths[0], &job).unwrap();
+        let one = maker.scene(&Arc::new(one), &how, Need::Views, &job).unwrap();
+        let error = |views: &MadeViews| -> f32 {
+            let corners = [(0, 0), (0, 7), (7, 0), (7, 7)].map(|(v, u)| {
+                let centre = DVec3::new(f64::from(u) - 4.0, f64::from(v) - 4.0, 0.0) * step_m;
+                apart(&made.sheared(own.size(), centre, shift), views.field.view(ViewIndex { v, u }))
+            });
+            corners.iter().sum()
+        };
+        let errors = [scene.made_views().unwrap(), one.made_views().unwrap()].map(error);
+        assert!(errors[0] < 0.5 * errors[1], "{errors:?}");
+
+        // The folder keeps who saw what.
+        let folder = dir.path().join("field");
+        let settings = Settings { kind: Kind::Views, ..Settings::default() };
+        export::write(&scene, &Edit::default(), &settings, &folder, &job).unwrap();
+        let again = Subject::open(&folder, &job).unwrap();
+        assert_eq!(again.recorded().unwrap().provenance.as_deref(), Some(rays));
+        let again = maker.scene(&Arc::new(again), &how, Need::Views, &job).unwrap();
+        let at = ViewIndex { v: 0, u: 0 };
+        assert_eq!(again.trust().unwrap().of_view(at), scene.trust().unwrap().of_view(at));
+    }
+
+    #[test]
+    fn a_camera_that_did_not_move_gives_one_photo_and_says_so() {
+        let made = Made::new(Taking { size: [240, 180], frames: 1, ..Taking::default() });
+        let (dir, told) = (tempfile::tempdir().unwrap(), Told::default());
+        let job = Job { cancel: &Cancel::default(), sink: &told };
+        let paths = ["a.png", "b.png"].map(|name| saved(dir.path(), name, &made.views[0]));
+        let subject = Arc::new(Subject::open_several(&paths, SeveralAsked::default(), &job).unwrap());
+        let how = Making { long_side: 120, ..Making::default() };
+        let scene = Maker::default().scene(&subject, &how, Need::Map, &job).unwrap();
+        assert!(told.take().contains("the camera did not move; one photo is used"));
+        let one = Arc::new(Subject::open(&paths[0], &job).unwrap());
+        assert_eq!(scene.map(), Maker::default().scene(&one, &how, Need::Map, &job).unwrap().map());
+        let wrong = SeveralAsked { reference: 2, share: None };
+        let error = Subject::open_several(&paths, wrong, &job).unwrap_err();
+        assert!(error.to_string().contains("--reference"), "{error}");
+    }
+}
