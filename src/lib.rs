@@ -13,6 +13,7 @@
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
 //! * [`background`]: what goes on behind near edges.
+//! * [`splats`]: scenes of Gaussian splats, their pictures, rays and true defocus.
 //! * [`repair`]: depth mended by hand, as a list of operations on a map.
 //! * [`burst`]: several photos of one subject: depth that was measured, rays that were seen.
 //! * [`scene`]: the one way from a file to a picture, with edits, recipes, exports and batches.
@@ -62,6 +63,7 @@ pub mod render;
 pub mod repair;
 pub mod scene;
 pub mod shard;
+pub mod splats;
 pub mod synth;
 #[cfg(feature = "ui")]
 pub mod ui;

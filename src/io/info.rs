@@ -8,6 +8,7 @@ use super::DisparityMap;
 use super::formats::layout::Layout;
 use super::raster::orient;
 use crate::field::{FieldError, LightField, Photo, Provenance, RayDepths, RelativeDepth};
+use crate::splats::Pictured;
 
 /// A file, told by its content.
 #[derive(Debug)]
@@ -47,6 +48,8 @@ pub struct PhotoFile {
     pub photo: Arc<Photo>,
     /// Depth that the phone measured.
     pub depth: Option<EmbeddedDepth>,
+    /// The scene that it is a picture of, where the file holds Gaussian splats.
+    pub splats: Option<Arc<Pictured>>,
     /// What the file is.
     pub info: FileInfo,
     /// What a person should know: for example a depth map that could not be read.
@@ -171,7 +174,7 @@ impl From<&EmbeddedDepth> for DepthInfo {
     }
 }
 
-/// Photo or light field.
+/// Photo, light field or splats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum FileKind {
     /// One picture.
@@ -180,12 +183,15 @@ pub enum FileKind {
     /// A grid of views.
     #[serde(rename = "light field")]
     LightField,
+    /// A scene of Gaussian splats.
+    #[serde(rename = "splats")]
+    Splats,
 }
 
 /// What a file is: the object that `info --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FileInfo {
-    /// Photo or light field.
+    /// Photo, light field or splats.
     pub kind: FileKind,
     /// The format's name.
     pub format: &'static str,

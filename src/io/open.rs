@@ -106,7 +106,7 @@ impl PhotoFile {
             notes: Vec::new(),
             warnings: warnings.clone(),
         };
-        Ok(Self { photo: Arc::new(photo), depth: None, info, warnings })
+        Ok(Self { photo: Arc::new(photo), depth: None, splats: None, info, warnings })
     }
 
     /// Takes a depth map in.

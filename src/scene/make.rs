@@ -150,6 +150,9 @@ impl Maker {
         need: Need,
         job: &Job,
     ) -> Result<Scene, SceneError> {
+        if let Some(splats) = &one.splats {
+            return super::splats::scene(subject, splats, how, need, job);
+        }
         if let Some(scene) = self.of_several(subject, one, how, need, job)? {
             return Ok(scene);
         }
@@ -405,7 +408,8 @@ mod tests {
         let map =
             RelativeDepth::new(size, (0..96 * 64).map(|i| if i % 96 < 48 { 1.0 } else { 0.5 }).collect()).unwrap();
         let phone = Some(Arc::new(EmbeddedDepth { kind: DepthKind::DynamicDepth, map, metric }));
-        let content = Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, truth: None, several: None });
+        let content =
+            Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, splats: None, truth: None, several: None });
         let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, info: None, content });
         let job = Job { cancel: &Cancel::default(), sink: &() };
         let scene = Maker::default().scene(&subject, &Making::default(), Need::Map, &job).unwrap();

@@ -30,6 +30,7 @@ mod series;
 mod several;
 pub mod sharp;
 mod source;
+mod splats;
 mod strength;
 mod subject;
 pub mod trust;

@@ -323,6 +323,9 @@ impl Scene {
             let sum = self.sum_of_views(edit)?;
             return Ok(Pixels::from_linear(sum.size, &sum.rgb_linear, bits, &self.origin(size).transfer));
         }
+        if let Some(picture) = self.through_true_lens(edit, size, job)? {
+            return Ok(Pixels::from_linear(picture.size, &picture.rgb_linear, bits, &self.origin(size).transfer));
+        }
         let space = if size == OutputSize::LightField { Space::Srgb } else { Space::Own };
         let (rgbd, size) = self.seen(edit, size, space, job)?;
         Ok(lens::render_pixels(&rgbd, &self.lens(edit), size, bits, job)?)
@@ -332,6 +335,9 @@ impl Scene {
     pub fn shown(&self, edit: &Edit, size: OutputSize, job: &Job) -> Result<Picture, SceneError> {
         if self.sums_views(edit, size) {
             return self.sum_of_views(edit);
+        }
+        if let Some(picture) = self.through_true_lens(edit, size, job)? {
+            return Ok(picture);
         }
         let (rgbd, size) = self.seen(edit, size, Space::Srgb, job)?;
         Ok(lens::render(&rgbd, &self.lens(edit), size, job)?)

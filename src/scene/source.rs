@@ -62,6 +62,7 @@ impl OnePhoto {
     pub fn best_source(&self, preferred: Option<DepthFrom>) -> DepthFrom {
         match self.phone {
             Some(_) => DepthFrom::Phone,
+            None if self.splats.is_some() => DepthFrom::Auto,
             None => preferred.unwrap_or(DepthFrom::Network),
         }
     }

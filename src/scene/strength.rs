@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::picture::{MadeViews, Scene};
 use super::{Content, Making, Need, OnePhoto, SceneError, several};
-use crate::field::{LightField, RayDepths, Strength, View, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
+use crate::field::{LightField, RayDepths, Strength, View, ViewGrid, ViewIndex, ViewOffset, ViewPoint, fit_long_side};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
 use crate::synth::{SynthParams, lift, synthesize_bared};
@@ -54,6 +54,10 @@ impl Scene {
     fn of_photo(&self, one: &OnePhoto, how: &Making, job: &Job) -> Result<MadeViews, SceneError> {
         let of_views = |views: &MadeViews| views.field.size().into_iter().max();
         let long_side = self.as_made().views().and_then(of_views).unwrap_or(how.long_side);
+        if let Some(splats) = &one.splats {
+            let size = fit_long_side(one.photo.size(), long_side.max(1));
+            return super::splats::views(&splats.stage, size, self.strength(), job);
+        }
         let params = SynthParams { long_side, threads: how.threads, ..SynthParams::default() };
         let made = synthesize_bared(&one.photo, self.map(), &params, job)?;
         several::stronger(one, made, self.strength().0, job)

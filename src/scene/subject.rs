@@ -9,6 +9,7 @@ use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::layout::Layout;
 use crate::io::{self, EmbeddedDepth, FileInfo, LightFieldFile, Opened, PhotoFile};
 use crate::job::Job;
+use crate::splats::Pictured;
 
 /// An open file, or a picture that never was one.
 #[derive(Clone, Debug)]
@@ -43,6 +44,8 @@ pub struct OnePhoto {
     pub phone: Option<Arc<EmbeddedDepth>>,
     /// A map of one's own.
     pub own_map: Option<GivenDepth>,
+    /// The scene of Gaussian splats that it is a picture of.
+    pub splats: Option<Arc<Pictured>>,
     /// The true disparity, where the program drew the photo itself.
     pub truth: Option<Arc<DisparityMap>>,
     /// Other photos of the same subject.
@@ -88,8 +91,15 @@ impl Subject {
 
     /// A photo that is no file.
     pub fn from_photo(photo: Arc<Photo>, name: &str) -> Self {
-        let content =
-            Content::Photo(OnePhoto { photo, f35_mm: None, phone: None, own_map: None, truth: None, several: None });
+        let content = Content::Photo(OnePhoto {
+            photo,
+            f35_mm: None,
+            phone: None,
+            own_map: None,
+            splats: None,
+            truth: None,
+            several: None,
+        });
         Self { name: name.to_owned(), path: None, info: None, content }
     }
 
@@ -116,6 +126,14 @@ impl Subject {
         match &self.content {
             Content::Photo(_) => None,
             Content::Views(recorded) => Some(recorded),
+        }
+    }
+
+    /// The scene of Gaussian splats, where it is one.
+    pub fn splats(&self) -> Option<&Arc<Pictured>> {
+        match &self.content {
+            Content::Photo(one) => one.splats.as_ref(),
+            Content::Views(_) => None,
         }
     }
 
@@ -163,7 +181,7 @@ impl Subject {
 impl From<PhotoFile> for OnePhoto {
     fn from(file: PhotoFile) -> Self {
         let (f35_mm, phone) = (file.info.f35_mm, file.depth.map(Arc::new));
-        Self { photo: file.photo, f35_mm, phone, own_map: None, truth: None, several: None }
+        Self { photo: file.photo, f35_mm, phone, own_map: None, splats: file.splats, truth: None, several: None }
     }
 }
 

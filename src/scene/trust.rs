@@ -88,7 +88,8 @@ impl Scene {
     /// It has no views.
     pub fn trust(&self) -> Result<Trust<'_>, SceneError> {
         let MadeViews { depths, provenance, .. } = self.made_views()?;
-        Ok(Trust { depths, is_made: self.subject().photo().is_some(), provenance: provenance.as_deref() })
+        let is_made = self.subject().photo().is_some() && self.subject().splats().is_none();
+        Ok(Trust { depths, is_made, provenance: provenance.as_deref() })
     }
 }
 

@@ -10,8 +10,8 @@ use super::worker::{JobId, Outbox, Work};
 use crate::field::{Strength, ViewPoint};
 use crate::job::{Cancel, Job};
 use crate::render::Picture;
-use crate::render::lens::{LensGpu, Prepared, Rgbd, Space};
-use crate::scene::{Edit, Making, Need, Scene, SceneError};
+use crate::render::lens::{LensGpu, Prepared, Region, Rgbd, Space};
+use crate::scene::{Edit, Making, Need, OutputSize, Scene, SceneError};
 
 /// A request for a picture at rest.
 pub struct Request {
@@ -41,7 +41,29 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
             Err(error) => Event::Failed(crate::errors::sentence(&error)),
         };
         outbox.send(job, event);
+        // What a lens renderer drafts of a scene of splats, a true lens takes the place of.
+        let picture = true_picture(&request, &Job { cancel, sink: &() }).unwrap_or_else(|error| {
+            log::info!("no true defocus: {error}");
+            None
+        });
+        if let Some(picture) = picture {
+            outbox.send(job, Event::AtRest(request.key, Arc::new(TileSet::of_picture(&picture))));
+        }
     }
+}
+
+/// The visible part of what a true lens sees, where the scene has one.
+fn true_picture(request: &Request, job: &Job) -> Result<Option<Picture>, SceneError> {
+    let RestKey { edit, size, region, .. } = request.key;
+    let scene = request.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
+    let whole = scene.through_true_lens(&edit, OutputSize::Within(size), job)?;
+    Ok(whole.map(|picture| part(&picture, region)))
+}
+
+/// A part of a picture.
+fn part(picture: &Picture, Region { at, size }: Region) -> Picture {
+    let last = picture.size.map(|side| side.saturating_sub(1));
+    Picture::from_fn(size, |x, y| picture.pixel((at[0] + x).min(last[0]), (at[1] + y).min(last[1])))
 }
 
 impl Renderer {

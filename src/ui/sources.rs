@@ -8,6 +8,9 @@ pub type Choice = (DepthFrom, String);
 
 /// All that can be used for a photo now: its own depth first, then nets that were added, then the program's own.
 pub fn choices(one: &OnePhoto, nets: &[Listed]) -> Vec<Choice> {
+    if one.splats.is_some() {
+        return vec![(DepthFrom::Auto, "Gaussians".to_owned())];
+    }
     let mut all = of_photo(one);
     all.extend(nets.iter().filter(|net| net.fault.is_none()).map(|net| (net.source(), net.name.clone())));
     all.push((DepthFrom::Network, "Network".to_owned()));
@@ -61,7 +64,15 @@ mod tests {
         let photo = Arc::new(Photo::from_srgb8([2, 1], vec![9; 8]).unwrap());
         let map = RelativeDepth::new([1, 1], vec![1.0]).unwrap();
         let phone = Arc::new(EmbeddedDepth { kind: DepthKind::Gdepth, map, metric: true });
-        OnePhoto { photo, f35_mm: None, phone: has_phone.then_some(phone), own_map: None, truth: None, several: None }
+        OnePhoto {
+            photo,
+            f35_mm: None,
+            phone: has_phone.then_some(phone),
+            own_map: None,
+            splats: None,
+            truth: None,
+            several: None,
+        }
     }
 
     #[test]

@@ -88,8 +88,21 @@ pub fn of(line: &str) -> Vec<Seed> {
             let pictures = [still(Jpeg), jpeg(&[])];
             file("lfp", "a.lfp", vec![lfp([&pictures[0], &pictures[1]], &lfp_table(), r#""width":2,"height":2"#)])
         }
+        "Gaussian splats (PLY)" => {
+            file("splats", "a.ply", vec![written("a.ply", |path| write("gaussians", path)), splats()])
+        }
         _ => Vec::new(),
     }
+}
+
+/// A few Gaussians as text, with the camera that SHARP adds.
+fn splats() -> Vec<u8> {
+    let mut text = "ply\nformat ascii 1.0\nelement vertex 3\n".to_owned();
+    let names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3";
+    names.split(' ').for_each(|name| text += &format!("property float {name}\n"));
+    text += "element intrinsic 4\nproperty float intrinsic\nend_header\n";
+    (0..3).for_each(|i| text += &format!("{} 0 2 1 0.5 0 3 -2 -2.5 -2 1 0 0.1 0\n", f64::from(i) * 0.4 - 0.4));
+    (text + "20\n20\n24\n16\n").into_bytes()
 }
 
 /// A folder that the program writes, and a seed for each of these files in it.

@@ -25,6 +25,7 @@ fn describe(info: &FileInfo) -> String {
     let kind = match info.kind {
         FileKind::Photo => "photo",
         FileKind::LightField => "light field",
+        FileKind::Splats => "splats",
     };
     let mut lines = vec![("kind", kind.to_owned()), ("format", info.format.to_owned())];
     lines.push(("size", format!("{} × {} px, {} bits", info.size[0], info.size[1], info.bits)));

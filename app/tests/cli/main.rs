@@ -11,6 +11,7 @@ mod light_field;
 mod nets;
 #[path = "../../../tests/common/nets.rs"]
 mod small_nets;
+mod splats;
 #[cfg(target_os = "linux")]
 mod window;
 mod window_export;

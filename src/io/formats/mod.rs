@@ -3,6 +3,7 @@
 pub mod depth_map;
 pub mod depth_out;
 pub mod eslf;
+pub mod gaussians;
 mod grid_names;
 pub mod hci;
 pub mod layout;
@@ -107,7 +108,7 @@ pub struct Entry {
 
 /// Who reads and writes what: [`open`](fn@super::open) walks it from the top, so what is told by more stands higher. The
 /// README's table has the same lines; a test compares them.
-pub static TABLE: [Entry; 20] = [
+pub static TABLE: [Entry; 21] = [
     made("refocus", "photo: JPEG, PNG, TIFF, WebP", "save", "jpg").read(Reader::Files(&[
         jpeg::TYPE,
         still::PNG,
@@ -150,6 +151,8 @@ pub static TABLE: [Entry; 20] = [
     read("phone depth: spatial photo (HEIC)", Reader::Depth(DepthIn { jpeg: None, heic: Some(spatial::read) })),
     read("phone depth: file beside the photo (`_DEPTH`)", Reader::Beside(side_file::find)),
     read("processed Lytro file (`-stk.lfp`)", Reader::Files(&[lytro::TYPE])),
+    field("gaussians", "Gaussian splats (PLY)", Keeps::Made, Some("ply"), gaussians::write)
+        .read(Reader::Files(&[gaussians::TYPE])),
     made("side-by-side", "side-by-side stereo", "stereo", "png"),
     made("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),
     made("ply", "PLY point cloud", "ply", "ply"),

@@ -23,6 +23,7 @@ pub enum Kind {
     DepthPfm,
     Gdepth,
     Ply,
+    Gaussians,
 }
 
 /// Where a kind stands in the dialog.
@@ -62,7 +63,7 @@ pub struct Spec {
 }
 
 /// All kinds, in the order of the dialog.
-pub const KINDS: [Spec; 14] = [
+pub const KINDS: [Spec; 15] = [
     made_of_map(
         Kind::Picture,
         "picture",
@@ -174,6 +175,14 @@ pub const KINDS: [Spec; 14] = [
         "PLY: each pixel as a coloured point in space",
         Group::Depth,
         "{name}.ply",
+    ),
+    made_of_views(
+        Kind::Gaussians,
+        "gaussians",
+        "Gaussian splats",
+        "PLY: a scene that splat viewers open, one Gaussian for each point that is seen; opens again",
+        Group::LightField,
+        "{name}-splats.ply",
     ),
 ];
 

@@ -18,7 +18,8 @@ fn scene(metric: bool, f35_mm: Option<f32>, strength: f32) -> Scene {
     let nearness = (0..240 * 160).map(|i| if is_near(i) { 1.0 / 2.0 } else { 1.0 / 8.0 }).collect();
     let map = RelativeDepth::new(SIZE, nearness).unwrap();
     let phone = Some(Arc::new(EmbeddedDepth { kind: DepthKind::DynamicDepth, map, metric }));
-    let content = Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, truth: None, several: None });
+    let content =
+        Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, splats: None, truth: None, several: None });
     let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, info: None, content });
     let how = Making { strength: Some(Strength(strength)), ..Making::default() };
     let job = Job { cancel: &Cancel::default(), sink: &() };

@@ -141,7 +141,7 @@ fn rows(ui: &mut Ui, export: &mut Export) {
                 });
             }
         }
-        Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth | Kind::Ply => {
+        Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth | Kind::Ply | Kind::Gaussians => {
             if let Some(rays) = open.rays() {
                 let [w, h] = rays.depths.size();
                 widgets::labelled(ui, "Size", |ui| {

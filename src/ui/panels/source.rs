@@ -25,6 +25,9 @@ pub struct Sources<'a> {
 /// Where a photo's ray depths come from.
 pub fn source(open: &Open, sources: &Sources, ui: &mut Ui) -> Option<Action> {
     let Content::Photo(one) = &open.subject()?.content else { return None };
+    if one.splats.is_some() {
+        return None;
+    }
     let mut choices = vec![(DepthFrom::Network, "Network".to_owned())];
     choices.extend(sources::of_photo(one));
     let mut source = sources.looked_at.clone();
