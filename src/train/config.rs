@@ -18,6 +18,10 @@ pub enum Stage {
     Occlusion,
     /// Both, as the paper does.
     Joint,
+    /// Appearance flow: where in the photo each ray's colour lies, without depth (a comparison of the paper's).
+    Flow,
+    /// Direct regression: the 64 views themselves (a comparison of the paper's).
+    Regression,
 }
 
 /// Starting points. Flags given beside a preset win over it.
@@ -278,6 +282,16 @@ impl Config {
             clip: 0.0,
             average: 0.0,
             ..self
+        }
+    }
+
+    /// The net whose progress is the run's.
+    pub fn main_net(&self) -> Arch {
+        match self.stage {
+            Stage::Depth | Stage::Joint => self.net,
+            Stage::Occlusion => Arch::Occlusion,
+            Stage::Flow => Arch::AppearanceFlow,
+            Stage::Regression => Arch::DirectRegression,
         }
     }
 

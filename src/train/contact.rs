@@ -9,7 +9,7 @@ use crate::eval::{Rgb, warp};
 use crate::nets::{REFERENCE, SIDE, VIEWS};
 use crate::scenes::raster::Raster;
 use crate::scenes::steps;
-use crate::step;
+use crate::{step, view_step};
 
 /// Height in pixels of a view's line in an epipolar image.
 const LINE_PX: usize = 8;
@@ -47,6 +47,17 @@ pub fn occlusion_rows(
     let of =
         |values: &[f32], n: usize| raster(&values[n * maps.views.len() * 3 * maps.plane()..], maps.width, maps.height);
     Ok((0..maps.samples.min(ROWS)).map(|n| vec![view(batch, n, 0), of(&rendered, n), of(&full, n)]).collect())
+}
+
+/// The photo, a true outermost view, and what a net without ray depths makes of it, one row a sample.
+pub fn view_rows(net: &Checkpoint, batch: &Batch, config: &Config) -> Result<Vec<Vec<Rgb>>, TrainError> {
+    let maps = &batch.maps;
+    let made = view_step::infer(net, batch, config)?;
+    let row = |n: usize| {
+        let own = raster(&made[n * maps.views.len() * 3 * maps.plane()..], maps.width, maps.height);
+        vec![view(batch, n, maps.reference()), view(batch, n, 0), own]
+    };
+    Ok((0..maps.samples.min(ROWS)).map(row).collect())
 }
 
 /// The epipolar image of the middle row, its views rendered from the photo.

@@ -77,6 +77,14 @@ pub enum TrainError {
         /// The net.
         arch: String,
     },
+    /// A net that the program has no use for.
+    #[error(
+        "a net of {arch} gives no ray depths, so the program cannot use it: export a depth net or the occlusion net"
+    )]
+    NotUsable {
+        /// The net.
+        arch: String,
+    },
     /// An exported net that does not compute what the trained one does.
     #[error("the exported net differs from the trained one by {difference:e} (at most {tolerance:e} is expected): nothing was written: {}", path.display())]
     Export {

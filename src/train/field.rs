@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use plenoscope::field::{FieldError, LightField, View, ViewGrid, ViewIndex};
+use plenoscope::field::{DisparityMap, FieldError, LightField, View, ViewGrid, ViewIndex};
 use plenoscope::io::{self, LightFieldFile, Opened};
 use plenoscope::job::{Cancel, Job};
-use plenoscope::synth::{SynthError, sweep};
+use plenoscope::synth::{SynthError, lift, sweep};
 
 use crate::scenes::REFERENCE;
 use crate::scenes::raster::{Raster, Rgb};
@@ -127,6 +127,13 @@ impl TrueField {
 fn around(zero: ViewIndex, layer: usize) -> ViewIndex {
     let [v, u] = [layer / 8, layer % 8].map(|i| i as u8);
     ViewIndex { v: zero.v + v - 4, u: zero.u + u - 4 }
+}
+
+/// The ray depths of all 64 views, `[v, y, x]`, that one map of the reference view gives.
+pub fn lifted(map: &[f32], size: [usize; 2]) -> Vec<f32> {
+    let flat = || map.repeat(ViewGrid::PAPER.count());
+    let map = DisparityMap::new(size.map(|side| side as u32), map.to_vec());
+    map.map_or_else(|_| flat(), |map| lift::ray_depths(&map, ViewGrid::PAPER).disparity_px().to_vec())
 }
 
 /// 64 pictures as a light field of 8-bit views.

@@ -14,7 +14,7 @@ use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope_train::checkpoint::{Checkpoint, Moments};
 use plenoscope_train::config::{Config, Preset, Stage};
 use plenoscope_train::export::{self, About};
-use plenoscope_train::{bench, data, eslf, eval, run, scenes};
+use plenoscope_train::{bench, data, eval, paper, recorded, run, scenes};
 
 #[global_allocator]
 static BLOCKS: LargeBlocks = LargeBlocks::keeping(4 << 30);
@@ -26,6 +26,10 @@ fn main() -> ExitCode {
         Some(("export", matches)) => export(matches),
         Some(("bench", matches)) => bench(matches),
         Some(("eval", matches)) => eval::run(matches).map(|text| print!("{text}")),
+        Some(("paper", matches)) => paper(matches),
+        Some(("data", matches)) if matches.get_one::<PathBuf>("stats").is_some() => {
+            recorded::stats::run(matches).map(|text| print!("{text}"))
+        }
         Some(("data", matches)) => scenes::write::run(matches).map(|text| print!("{text}")),
         _ => Ok(()),
     };
@@ -50,6 +54,7 @@ fn command() -> Command {
         .subcommand(export_command())
         .subcommand(bench_command())
         .subcommand(eval::command())
+        .subcommand(paper::command())
         .subcommand(scenes::write::command())
 }
 
@@ -94,20 +99,36 @@ fn train(matches: &ArgMatches) -> Result<()> {
         config.out.clone_from(folder);
     }
     threads(&config)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = stop.clone();
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    let stop = stop_on_interrupt()?;
     let nets = match resume {
         Some(folder) => run::Nets::resume(&config, folder)?,
         None => run::Nets::start(&config)?,
     };
     if config.preset == Preset::Paper {
-        run::train(&config, nets, &eslf::draw(&config)?, None, &stop)?;
+        run::train(&config, nets, &recorded::draw(&config, recorded::told())?, None, &stop)?;
         return Ok(());
     }
     let source = data::engine(&data::scenes_config(&config)?, &mut |note| eprintln!("{note}"))?;
     let watch = (config.stage == Stage::Depth).then(|| data::watch(&config, &source)).transpose()?;
     run::train(&config, nets, &data::draw(&config, &source), watch, &stop)?;
+    Ok(())
+}
+
+/// Set by Ctrl-C.
+fn stop_on_interrupt() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
+    Ok(stop)
+}
+
+fn paper(matches: &ArgMatches) -> Result<()> {
+    let asked = paper::Asked::from_matches(matches)?;
+    pool(asked.threads)?;
+    let stop = stop_on_interrupt()?;
+    let told = |text: &str| eprintln!("{text}");
+    let report = paper::run(&asked, &stop, &told)?;
+    println!("{}", report.display());
     Ok(())
 }
 
@@ -159,7 +180,11 @@ fn bench(matches: &ArgMatches) -> Result<()> {
 }
 
 fn threads(config: &Config) -> Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(config.threads).thread_name(|i| format!("train-{i}"));
+    pool(config.threads)
+}
+
+fn pool(threads: usize) -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("train-{i}"));
     Ok(pool.build_global()?)
 }
 

@@ -17,14 +17,17 @@ use crate::contact;
 use crate::curves;
 use crate::eval::sheet;
 use crate::files;
-use crate::nets::{Arch, Graph};
+use crate::nets::{Arch, Graph, Task};
 use crate::step::{self, Report};
+use crate::view_step;
 use crate::watch::Watch;
 
 /// File of a run's config, in its folder.
 pub const CONFIG_FILE: &str = "config.json";
 /// File of a run's depth net.
 pub const DEPTH_FILE: &str = "depth.safetensors";
+/// File of a net that gives views without ray depths.
+pub const VIEWS_FILE: &str = "views.safetensors";
 /// File of a run's occlusion net.
 pub const OCCLUSION_FILE: &str = "occlusion.safetensors";
 /// File of a run's metrics, one JSON object a line.
@@ -38,6 +41,7 @@ const TILE_PX: usize = 160;
 
 /// The nets of a run.
 pub struct Nets {
+    /// The net that looks at the photo: of ray depths, or of what the paper compares them with.
     depth: Option<Checkpoint>,
     occlusion: Option<Checkpoint>,
 }
@@ -45,21 +49,21 @@ pub struct Nets {
 impl Nets {
     /// Fresh nets, or those that `--init` and `--depth-from` name.
     pub fn start(config: &Config) -> Result<Self, TrainError> {
-        let open = |path: &Option<PathBuf>, arch| match path {
-            Some(path) => load(path, arch == Arch::Occlusion)
+        let open = |path: &Option<PathBuf>, arch: Arch| match path {
+            Some(path) => load(path, arch.task())
                 .map(|c| Checkpoint { weights: c.best().clone(), ..Checkpoint::new(c.arch, config.seed) }),
             None => Ok(Checkpoint::new(arch, config.seed)),
         };
         match config.stage {
-            Stage::Depth => {
-                let mut net = open(&config.init, config.net)?;
+            Stage::Depth | Stage::Flow | Stage::Regression => {
+                let mut net = open(&config.init, config.main_net())?;
                 if config.tie {
                     net.weights.tie_views();
                 }
                 Ok(Self { depth: Some(net), occlusion: None })
             }
             Stage::Occlusion => {
-                let depth = config.depth_from.as_ref().map(|path| load(path, false)).transpose()?;
+                let depth = config.depth_from.as_ref().map(|path| load(path, Task::Depth)).transpose()?;
                 Ok(Self { depth, occlusion: Some(open(&config.init, Arch::Occlusion)?) })
             }
             Stage::Joint => Ok(Self {
@@ -71,15 +75,21 @@ impl Nets {
 
     /// The nets of a run's folder, to go on with.
     pub fn resume(config: &Config, folder: &Path) -> Result<Self, TrainError> {
-        let open = |name: &str| load(&folder.join(name), name == OCCLUSION_FILE);
+        let photo = || load(&folder.join(photo_file(config.stage)), config.main_net().task());
+        let occlusion = || load(&folder.join(OCCLUSION_FILE), Task::Occlusion);
         match config.stage {
-            Stage::Depth => Ok(Self { depth: Some(open(DEPTH_FILE)?), occlusion: None }),
+            Stage::Depth | Stage::Flow | Stage::Regression => Ok(Self { depth: Some(photo()?), occlusion: None }),
             Stage::Occlusion => {
-                let depth = config.depth_from.as_ref().map(|path| load(path, false)).transpose()?;
-                Ok(Self { depth, occlusion: Some(open(OCCLUSION_FILE)?) })
+                let depth = config.depth_from.as_ref().map(|path| load(path, Task::Depth)).transpose()?;
+                Ok(Self { depth, occlusion: Some(occlusion()?) })
             }
-            Stage::Joint => Ok(Self { depth: Some(open(DEPTH_FILE)?), occlusion: Some(open(OCCLUSION_FILE)?) }),
+            Stage::Joint => Ok(Self { depth: Some(photo()?), occlusion: Some(occlusion()?) }),
         }
+    }
+
+    /// The net that looks at the photo, and the occlusion net, as far as the run has them.
+    pub fn pair(&self) -> [Option<&Checkpoint>; 2] {
+        [self.depth.as_ref(), self.occlusion.as_ref()]
     }
 
     /// The net whose progress is the run's.
@@ -94,7 +104,7 @@ impl Nets {
 
     fn save(&self, config: &Config) -> Result<(), TrainError> {
         if let (Some(net), true) = (&self.depth, config.stage != Stage::Occlusion) {
-            net.save(&config.out.join(DEPTH_FILE), Moments::Exact)?;
+            net.save(&config.out.join(photo_file(config.stage)), Moments::Exact)?;
         }
         if let Some(net) = &self.occlusion {
             net.save(&config.out.join(OCCLUSION_FILE), Moments::Exact)?;
@@ -108,6 +118,7 @@ impl Nets {
             (Stage::Occlusion, depth, Some(net)) => {
                 contact::occlusion_rows(net, batch, &depths(depth.as_ref(), batch, config)?, config)?
             }
+            (Stage::Flow | Stage::Regression, Some(net), _) => contact::view_rows(net, batch, config)?,
             (_, Some(net), _) => contact::depth_rows(net, batch, config)?,
             _ => return Ok(()),
         };
@@ -118,6 +129,7 @@ impl Nets {
     fn step(&mut self, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
         match (config.stage, &mut self.depth, &mut self.occlusion) {
             (Stage::Depth, Some(net), _) => step::depth_step(net, &net.arch.graph(), batch, config, done),
+            (Stage::Flow | Stage::Regression, Some(net), _) => view_step::step(net, batch, config, done),
             (Stage::Occlusion, depth, Some(net)) => {
                 let depths = depths(depth.as_ref(), batch, config)?;
                 step::occlusion_step(net, &net.arch.graph(), batch, &depths, config, done)
@@ -131,14 +143,24 @@ impl Nets {
     }
 }
 
-/// A checkpoint of the occlusion net, or of a depth net.
-fn load(path: &Path, occlusion: bool) -> Result<Checkpoint, TrainError> {
+/// Whether a run's folder has the checkpoints to go on from.
+pub fn is_saved(config: &Config) -> bool {
+    let occlusion = config.stage != Stage::Joint || config.out.join(OCCLUSION_FILE).exists();
+    occlusion && config.out.join(photo_file(config.stage)).exists()
+}
+
+/// File of the net that looks at the photo.
+fn photo_file(stage: Stage) -> &'static str {
+    if matches!(stage, Stage::Flow | Stage::Regression) { VIEWS_FILE } else { DEPTH_FILE }
+}
+
+/// A checkpoint of a net that does what is wanted.
+fn load(path: &Path, wanted: Task) -> Result<Checkpoint, TrainError> {
     let net = Checkpoint::load(path)?;
-    if (net.arch == Arch::Occlusion) == occlusion {
+    if net.arch.task() == wanted {
         return Ok(net);
     }
-    let wanted = if occlusion { "the occlusion net" } else { "a depth net" };
-    Err(TrainError::OtherNet { have: net.arch.name(), wanted, path: path.to_owned() })
+    Err(TrainError::OtherNet { have: net.arch.name(), wanted: wanted.label(), path: path.to_owned() })
 }
 
 /// Ray depths that the occlusion net is given: a depth net's, or the true ones.

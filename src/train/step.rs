@@ -114,20 +114,20 @@ fn smoothness(maps: &Maps, depth: &[f32], weights: &LossWeights, small: f32, g: 
 
 /// The scalar whose gradient with respect to `y` is `gradient`: Σ y·gradient. Losses are computed outside the tensor
 /// library; this is how their gradient enters its backward pass.
-fn with_gradient<const D: usize>(tape: &Tape<'_>, y: Tensor<D>, gradient: Vec<f32>) -> Tensor<1> {
+pub(crate) fn with_gradient<const D: usize>(tape: &Tape<'_>, y: Tensor<D>, gradient: Vec<f32>) -> Tensor<1> {
     let shape = y.dims();
     (y * tape.input(gradient, shape)).sum()
 }
 
-fn path(config: &Config) -> Path {
+pub(crate) fn path(config: &Config) -> Path {
     if config.stock { Path::Stock } else { Path::Own }
 }
 
-fn training<'a>(weights: &'a Weights, config: &Config) -> Tape<'a> {
+pub(crate) fn training<'a>(weights: &'a Weights, config: &Config) -> Tape<'a> {
     Tape::new(weights, Mode::Train, path(config)).keeping_norm(config.keep_norm)
 }
 
-fn update(
+pub(crate) fn update(
     net: &mut Checkpoint,
     config: &Config,
     done: f64,
@@ -184,8 +184,8 @@ fn share_rows(weights: &Weights, gradients: &mut [(usize, Vec<f32>)], views: &[u
     }
 }
 
-/// The depth net on a batch's reference views: `[n, views of the batch, h, w]`.
-fn predict(tape: &mut Tape<'_>, graph: &Graph, batch: &Batch) -> Result<Tensor<4>, TrainError> {
+/// The net on a batch's reference views: `[n, views of the batch × maps of each, h, w]`.
+pub(crate) fn predict(tape: &mut Tape<'_>, graph: &Graph, batch: &Batch) -> Result<Tensor<4>, TrainError> {
     forward(tape, graph, batch, batch.net_input(graph.arch.has_coordinates()))
 }
 

@@ -207,7 +207,8 @@ impl Corners {
     }
 }
 
-fn closeness(field: &TrueField, views: &[Rgb]) -> Closeness {
+/// How near 64 views come to the true ones.
+pub fn closeness(field: &TrueField, views: &[Rgb]) -> Closeness {
     let each: Vec<[f32; 3]> = (0..64)
         .into_par_iter()
         .map(|i| {

@@ -11,7 +11,7 @@ use sha2::{Digest as _, Sha256};
 use crate::TrainError;
 use crate::checkpoint::Checkpoint;
 use crate::files;
-use crate::nets::{Arch, RANGE_PX, SIDE};
+use crate::nets::{Arch, RANGE_PX, SIDE, Task};
 
 pub use onnx::encode;
 pub use verify::difference;
@@ -60,7 +60,7 @@ pub fn gain(text: &str) -> Result<f32, String> {
 
 /// Multiplies a depth net's ray depths.
 pub fn amplify(net: &mut Checkpoint, gain: f32) -> Result<(), TrainError> {
-    if net.arch == Arch::Occlusion && gain != 1.0 {
+    if net.arch.task() != Task::Depth && gain != 1.0 {
         return Err(TrainError::NoRayDepths { arch: net.arch.name() });
     }
     net.weights.amplify(gain);
@@ -70,6 +70,9 @@ pub fn amplify(net: &mut Checkpoint, gain: f32) -> Result<(), TrainError> {
 /// Writes `models/<id>/model.onnx` and `manifest.toml`. The file is read back with tract and compared with the trained
 /// net first; nothing is written if they differ. Returns the folder and the largest difference found.
 pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf, f32), TrainError> {
+    if !matches!(net.arch.task(), Task::Depth | Task::Occlusion) {
+        return Err(TrainError::NotUsable { arch: net.arch.name() });
+    }
     let folder = models.join(&about.id);
     let path = folder.join("model.onnx");
     let bytes = encode(&net.arch.graph(), net.best())?;
@@ -147,6 +150,20 @@ mod tests {
         let mut net = lived_in(Arch::Occlusion);
         assert!(amplify(&mut net, 1.0).is_ok());
         assert!(amplify(&mut net, 1.5).unwrap_err().to_string().contains("--gain"));
+    }
+
+    #[test]
+    fn comparisons_have_no_geometry_to_export_but_their_graphs_can_be_run() {
+        let folder = tempfile::tempdir().unwrap();
+        for arch in [Arch::AppearanceFlow, Arch::DirectRegression] {
+            let net = lived_in(arch);
+            let about =
+                About { id: "views".into(), licence: "MIT".into(), training_data: Vec::new(), working_long_side: 128 };
+            let text = export(&net, &about, folder.path()).unwrap_err().to_string();
+            assert!(text.contains(&arch.name()) && text.contains("ray depths"), "{text}");
+            let found = difference(&net, &encode(&arch.graph(), net.best()).unwrap(), 20).unwrap();
+            assert!(found <= 4.0 * tolerance(arch), "{found}");
+        }
     }
 
     #[test]

@@ -3,11 +3,13 @@
 //! All are means in plain Rust over `[sample, view, y, x]` maps, so that each can be checked by finite differences and
 //! none depends on the tensor library: the trainer hands the summed gradient to the net's backward pass.
 
+mod flow;
 mod photometric;
 mod smooth;
 mod subject;
 mod supervised;
 
+pub use flow::{flowed, flowed_views, regressed};
 pub use photometric::{photometric, rendered_gradient, rendered_views};
 pub use smooth::{consistency, total_variation};
 pub use subject::subject_order;

@@ -60,6 +60,10 @@ fn photometric_and_smoothness_losses_have_their_derivatives() {
     let photos = random(maps.samples * 3 * maps.plane(), 3, 0.0, 1.0);
     let views = random(3 * maps.len(), 4, 0.0, 1.0);
     check(&depth, |d, w, g| photometric(&maps, &photos, &views, d, w, g));
+    let flow = random(2 * maps.len(), 6, -3.0, 3.0);
+    check(&flow, |f, w, g| flowed(&maps, &photos, &views, f, w, g));
+    let colours = random(3 * maps.len(), 7, -0.9, 0.9);
+    check(&colours, |y, w, g| regressed(&views, y, w, g));
     check(&depth, |d, w, g| consistency(&maps, d, w, g));
     check(&depth, |d, w, g| total_variation(&maps, d, w, g));
 }
@@ -111,4 +115,17 @@ fn views_rendered_with_no_depth_are_the_photo() {
     for (i, view) in views.chunks(3 * maps.plane()).enumerate() {
         assert_eq!(view, &photos[i / maps.views.len() * 3 * maps.plane()..][..3 * maps.plane()]);
     }
+}
+
+#[test]
+fn flow_along_the_way_to_a_view_is_its_depth() {
+    let maps = maps();
+    let photos = random(maps.samples * 3 * maps.plane(), 3, 0.0, 1.0);
+    let depth = random(maps.len(), 2, -0.8, 0.8);
+    let mut flow = Vec::new();
+    for (map, d) in depth.chunks(maps.plane()).enumerate() {
+        let (du, dv) = crate::scenes::steps(maps.views[map % maps.views.len()]);
+        flow.extend(d.iter().map(|d| du * d).chain(d.iter().map(|d| dv * d)));
+    }
+    assert_eq!(flowed_views(&maps, &photos, &flow), rendered_views(&maps, &photos, &depth));
 }

@@ -73,20 +73,22 @@ impl<'a> Tape<'a> {
         Tensor::from_data(TensorData::new(values, shape), &self.device)
     }
 
-    /// Runs a net of rank 2. With `views`, the last layer computes these rows alone.
+    /// Runs a net of rank 2. With `views`, the last layer computes the maps of these alone.
     ///
     /// # Shapes
     /// - `x`: `[n, c, h, w]`
-    /// - result: `[n, views, h, w]`
+    /// - result: `[n, views × maps of each, h, w]`
     pub fn run2(&mut self, graph: &Graph, x: Tensor<4>, views: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
         let mut done: Vec<Tensor<4>> = Vec::with_capacity(graph.nodes.len());
         let areas = graph.areas();
         let coarse = 4.0 * areas.iter().copied().fold(1.0, f64::min);
+        let each = graph.arch.rows_per_view();
+        let rows: Option<Vec<usize>> = views.map(|views| views.iter().flat_map(|v| each * v..each * (v + 1)).collect());
         for (node, area) in graph.nodes.iter().zip(areas) {
             let y = match node {
                 Node::Input => x.clone(),
                 Node::Conv(from, conv) => {
-                    let y = self.conv2(conv, done[*from].clone(), views)?;
+                    let y = self.conv2(conv, done[*from].clone(), rows.as_deref())?;
                     if area <= coarse && conv.end == End::NormElu { self.thinned(y) } else { y }
                 }
                 Node::Pool(from) => ops::pool(done[*from].clone(), self.path),
@@ -115,14 +117,12 @@ impl<'a> Tape<'a> {
         y * self.input(mask, [samples, channels, 1, 1])
     }
 
-    fn conv2(&mut self, conv: &Conv, x: Tensor<4>, views: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
+    fn conv2(&mut self, conv: &Conv, x: Tensor<4>, rows: Option<&[usize]>) -> Result<Tensor<4>, TrainError> {
         let weight = self.leaf4(&format!("{}.weight", conv.name))?;
-        match (conv.end, views) {
-            (End::Tanh { scale }, Some(views)) => {
-                let rows = Tensor::from_data(
-                    TensorData::new(views.iter().map(|&v| v as i64).collect(), [views.len()]),
-                    &self.device,
-                );
+        match (conv.end, rows) {
+            (End::Tanh { scale }, Some(rows)) => {
+                let rows = TensorData::new(rows.iter().map(|&row| row as i64).collect(), [rows.len()]);
+                let rows = Tensor::from_data(rows, &self.device);
                 let bias = self.leaf1(&format!("{}.bias", conv.name))?.select(0, rows.clone());
                 Ok(ops::conv_tanh(x, weight.select(0, rows), bias, (conv.dilation, scale), self.path))
             }

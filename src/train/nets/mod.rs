@@ -22,6 +22,8 @@ pub const REFERENCE: usize = 36;
 const LAST: &str = "last";
 /// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
 pub const RANGE_PX: f32 = 4.0;
+/// Largest flow in px: what that ray depth moves the outermost view by.
+pub const FLOW_RANGE_PX: f32 = 16.0;
 
 /// The architectures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -37,6 +39,38 @@ pub enum Arch {
     Tiny,
     /// The paper's 3-D occlusion net (§4.3).
     Occlusion,
+    /// The paper's depth net with two maps a view: the flow to the right and down by which the photo becomes the view
+    /// (Zhou et al. 2016, as the paper adapts it).
+    #[value(skip)]
+    AppearanceFlow,
+    /// The same layers with the colours of the 64 views as their result (the paper, §6).
+    #[value(skip)]
+    DirectRegression,
+}
+
+/// What a net says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Task {
+    /// The ray depths of all views.
+    Depth,
+    /// What is to be added to Lambertian views.
+    Occlusion,
+    /// Where in the photo each ray's colour lies.
+    Flow,
+    /// The views themselves.
+    Views,
+}
+
+impl Task {
+    /// A net of this task, as sentences name it.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Depth => "a depth net",
+            Self::Occlusion => "the occlusion net",
+            Self::Flow => "an appearance-flow net",
+            Self::Views => "a net that regresses views",
+        }
+    }
 }
 
 /// How a convolution ends.
@@ -136,13 +170,13 @@ impl Builder {
 }
 
 /// The paper's depth net: dilated 3×3 convolutions with batch normalisation and ELU, last layer a scaled tanh.
-fn paper(arch: Arch, inputs: usize) -> Graph {
+fn paper(arch: Arch, inputs: usize, scale: f32) -> Graph {
     let mut net = Builder::new(inputs);
     let layers = [(16, 1), (64, 1), (128, 1), (128, 2), (128, 4), (128, 8), (128, 16), (128, 1), (64, 1)];
     for (i, (outputs, dilation)) in layers.into_iter().enumerate() {
         net.conv(&format!("conv{i}"), outputs, dilation, End::NormElu);
     }
-    net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
+    net.conv(LAST, VIEWS * arch.rows_per_view(), 1, End::Tanh { scale });
     net.finish(arch, 2, 1)
 }
 
@@ -187,18 +221,39 @@ impl Arch {
     /// The net's graph.
     pub fn graph(self) -> Graph {
         match self {
-            Self::Paper => paper(self, 3),
-            Self::PaperYx => paper(self, 5),
+            Self::Paper => paper(self, 3, RANGE_PX),
+            Self::PaperYx => paper(self, 5, RANGE_PX),
+            Self::AppearanceFlow => paper(self, 3, FLOW_RANGE_PX),
+            Self::DirectRegression => paper(self, 3, 1.0),
             Self::Context => u_net(self, &[16, 32, 80, 160, 224]),
             Self::Tiny => u_net(self, &[6, 8, 8]),
             Self::Occlusion => occlusion(),
         }
     }
 
+    /// What it says.
+    pub fn task(self) -> Task {
+        match self {
+            Self::Occlusion => Task::Occlusion,
+            Self::AppearanceFlow => Task::Flow,
+            Self::DirectRegression => Task::Views,
+            Self::Paper | Self::PaperYx | Self::Context | Self::Tiny => Task::Depth,
+        }
+    }
+
+    /// Maps that the last layer gives for each view.
+    pub fn rows_per_view(self) -> usize {
+        match self.task() {
+            Task::Depth | Task::Occlusion => 1,
+            Task::Flow => 2,
+            Task::Views => 3,
+        }
+    }
+
     /// The manifest's `inputs`: what the channels are, in order.
     pub fn inputs(self) -> &'static [&'static str] {
         match self {
-            Self::Paper => &["rgb"],
+            Self::Paper | Self::AppearanceFlow | Self::DirectRegression => &["rgb"],
             Self::Occlusion => &["rgb", "disparity"],
             Self::PaperYx | Self::Context | Self::Tiny => &["rgb", "yx"],
         }

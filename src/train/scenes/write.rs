@@ -23,8 +23,23 @@ const SHEET_ROWS: usize = 40;
 pub fn command() -> Command {
     let number = || value_parser!(usize);
     Command::new("data")
-        .about("Write samples of the data engine as folders of views, and a contact sheet")
-        .arg(arg!(--out <DIR> "Folder for them").required(true).value_parser(value_parser!(PathBuf)))
+        .about("Write samples of the data engine as folders of views, and a contact sheet; or say what a folder of light fields holds")
+        .arg(
+            arg!(--out <DIR> "Folder for them")
+                .required_unless_present("stats")
+                .required(false)
+                .value_parser(value_parser!(PathBuf)),
+        )
+        .arg(
+            arg!(--stats <DIR> "Say what a folder of light fields holds instead: number, sizes, brightness, disparities")
+                .required(false)
+                .value_parser(value_parser!(PathBuf)),
+        )
+        .arg(
+            arg!(--measure <N> "Light fields of --stats whose disparities are measured")
+                .default_value("24")
+                .value_parser(number()),
+        )
         .arg(arg!(--count <N> "Samples").default_value("12").value_parser(number()))
         .arg(
             arg!(--views <N> "Views of each; with fewer than 64 they are drawn for the sheet and the figures alone")

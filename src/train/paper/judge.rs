@@ -1,0 +1,211 @@
+//! What each method makes of a light field that it never saw, from its reference view alone.
+
+use std::collections::BTreeMap;
+
+use anyhow::Result;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::method::Method;
+use crate::batch::Batch;
+use crate::checkpoint::Checkpoint;
+use crate::config::Config;
+use crate::eval::light_field::closeness;
+use crate::eval::metrics::correlation;
+use crate::eval::{CORNERS, Rgb, TrueField, metrics, warp};
+use crate::loss::{self, Maps};
+use crate::nets::{REFERENCE, VIEWS};
+use crate::run::Nets;
+use crate::scenes::raster::Raster;
+use crate::scenes::steps;
+use crate::{step, view_step};
+
+/// Bars of the histogram of disparities, over ±[`HISTOGRAM_PX`] across the whole aperture.
+pub const BARS: usize = 32;
+/// Half the histogram's width: px between the outermost views, at the size that is judged.
+pub const HISTOGRAM_PX: f32 = 8.0;
+/// Views from one end of the aperture to the other.
+const ACROSS: f32 = 7.0;
+
+/// 64 views, and the ray depths `[v, y, x]` that they were made with.
+pub struct Made {
+    /// The views.
+    pub views: Vec<Rgb>,
+    /// Px per view step; of methods with geometry.
+    pub depths: Option<Vec<f32>>,
+}
+
+/// Figures of one method on one light field.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Mean L1 over all 64 views, values in 0 … 1.
+    pub l1: f32,
+    /// Over the 28 outermost.
+    pub outermost_l1: f32,
+    /// By columns of views, u = −4 … 3.
+    pub l1_by_u: Vec<f32>,
+    /// Over the 59 views that neither the method nor one that is given the corners knows.
+    pub unseen_l1: f32,
+    /// Mean |D(x, u) − D(x + D, u − 1)|, px: how much ray depths differ along epipolar lines (ψ_c).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inconsistency_px: Option<f32>,
+    /// Correlation of the reference view's ray depths with those measured from all views.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_correlation: Option<f32>,
+}
+
+/// What is found on one light field.
+pub struct Judged {
+    /// Its name.
+    pub name: String,
+    /// The true views.
+    pub field: TrueField,
+    /// Ray depth of the reference view measured from all views, px per view step.
+    pub measured: Vec<f32>,
+    /// By the name of the method; `lambertian` is [`Method::Ours`] before the occlusion net.
+    pub made: BTreeMap<&'static str, Made>,
+    /// By the same names.
+    pub figures: BTreeMap<&'static str, Figures>,
+}
+
+/// Key of ours before the occlusion net.
+pub const LAMBERTIAN: &str = "lambertian";
+/// Key of the views that the measured depth gives.
+pub const MEASURED: &str = "measured-depth";
+/// Key of the photo copied to all views.
+pub const COPY: &str = "copy";
+
+/// The light field with views of at most `long_side`.
+pub fn shrunk(field: TrueField, long_side: usize) -> TrueField {
+    let [w, h] = field.size;
+    if w.max(h) <= long_side {
+        return field;
+    }
+    let scale = long_side as f32 / w.max(h) as f32;
+    let size = [w, h].map(|side| ((side as f32 * scale).round() as usize).max(2));
+    let views = field.views.par_iter().map(|view| view.resized(size)).collect();
+    TrueField { views, size, depths: Vec::new(), ..field }
+}
+
+/// Judges the nets that there are by one light field.
+///
+/// # Errors
+/// What the nets and the sweep say.
+pub fn judge(field: TrueField, nets: &BTreeMap<Method, Nets>, config: &Config) -> Result<Judged> {
+    let batch = batch_of(&field);
+    let measured = field.reference_disparity()?.px;
+    let mut made = BTreeMap::new();
+    for (method, nets) in nets {
+        for (name, views) in predicted(*method, nets, &batch, config)? {
+            made.insert(name, views);
+        }
+    }
+    made.insert(MEASURED, by_one_map(&field, &measured));
+    made.insert(COPY, Made { views: vec![field.reference().clone(); VIEWS], depths: None });
+    let figures = made.iter().map(|(name, made)| (*name, figures(&field, made, &measured))).collect();
+    Ok(Judged { name: field.name.clone(), field, measured, made, figures })
+}
+
+/// What ours makes of a photo, for its time to be taken.
+///
+/// # Errors
+/// What the nets say.
+pub fn synthesized(nets: &Nets, photo: &Rgb, config: &Config) -> Result<Vec<(&'static str, Made)>> {
+    let field =
+        TrueField { name: String::new(), size: photo.size, views: vec![photo.clone(); VIEWS], depths: Vec::new() };
+    predicted(Method::Ours, nets, &batch_of(&field), config)
+}
+
+/// One sample: the light field itself, which the nets see the reference view of.
+fn batch_of(field: &TrueField) -> Batch {
+    let maps = Maps { samples: 1, views: (0..VIEWS).collect(), height: field.size[1], width: field.size[0] };
+    let plane = |view: &Rgb, c: usize| view.px.iter().map(move |texel| texel[c]).collect::<Vec<_>>();
+    Batch {
+        first_sample: 0,
+        views: field.views.iter().flat_map(|view| (0..3).flat_map(|c| plane(view, c))).collect(),
+        truth: vec![f32::NAN; maps.len()],
+        yx: vec![[-1.0, 1.0, -1.0, 1.0]],
+        worth: vec![1.0],
+        subjects: vec![Vec::new()],
+        maps,
+    }
+}
+
+/// The views of a method, and of ours those before the occlusion net, too.
+fn predicted(method: Method, nets: &Nets, batch: &Batch, config: &Config) -> Result<Vec<(&'static str, Made)>> {
+    let size = [batch.maps.width, batch.maps.height];
+    let pictures =
+        |values: &[f32]| values.chunks_exact(3 * size[0] * size[1]).map(|view| picture(view, size)).collect();
+    let [Some(net), occlusion] = nets.pair() else { return Ok(Vec::new()) };
+    if !method.has_depth() {
+        let views = pictures(&view_step::infer(net, batch, config)?);
+        return Ok(vec![(method.name(), Made { views, depths: None })]);
+    }
+    let depths = step::infer_all_depths(net.best(), &net.arch.graph(), batch, config)?;
+    let Some(occlusion) = occlusion else { return Ok(Vec::new()) };
+    let [lambertian, full] = both(occlusion, batch, &depths, config)?.map(|views| pictures(&views));
+    let mut made = vec![(method.name(), Made { views: full, depths: Some(depths.clone()) })];
+    if method == Method::Ours {
+        made.push((LAMBERTIAN, Made { views: lambertian, depths: Some(depths) }));
+    }
+    Ok(made)
+}
+
+fn both(net: &Checkpoint, batch: &Batch, depths: &[f32], config: &Config) -> Result<[Vec<f32>; 2]> {
+    let (lambertian, full) = step::infer_views(net.best(), &net.arch.graph(), batch, depths, config)?;
+    Ok([lambertian, full])
+}
+
+fn picture(values: &[f32], size: [usize; 2]) -> Rgb {
+    let p = size[0] * size[1];
+    let texel = |i: usize| [0, 1, 2].map(|c| values[c * p + i].clamp(0.0, 1.0));
+    Raster { size, px: (0..p).map(texel).collect() }
+}
+
+/// Lambertian views of one map that all views are lifted from.
+fn by_one_map(field: &TrueField, map: &[f32]) -> Made {
+    let depths = crate::field::lifted(map, field.size);
+    let count = map.len();
+    let view = |layer: usize| {
+        let (du, dv) = steps(layer);
+        warp::lambertian(field.reference(), &depths[layer * count..][..count], du, dv)
+    };
+    Made { views: (0..VIEWS).into_par_iter().map(view).collect(), depths: Some(depths) }
+}
+
+fn figures(field: &TrueField, made: &Made, measured: &[f32]) -> Figures {
+    let near = closeness(field, &made.views);
+    let unseen = |layer: &usize| *layer != REFERENCE && !CORNERS.contains(layer);
+    let unseen = (0..VIEWS).filter(unseen).map(|layer| metrics::l1(&made.views[layer], &field.views[layer]));
+    let maps = Maps { samples: 1, views: (0..VIEWS).collect(), height: field.size[1], width: field.size[0] };
+    let of_depths = |depths: &Vec<f32>| loss::consistency(&maps, depths, 1.0, &mut vec![0.0; depths.len()]);
+    let own = |depths: &Vec<f32>| depths[REFERENCE * measured.len()..][..measured.len()].to_vec();
+    Figures {
+        l1: near.l1_01,
+        outermost_l1: near.outer_l1_01,
+        l1_by_u: near.l1_by_u,
+        unseen_l1: metrics::mean(unseen).unwrap_or(0.0),
+        inconsistency_px: made.depths.as_ref().map(of_depths),
+        depth_correlation: made.depths.as_ref().map(|d| correlation(own(d).into_iter().zip(measured.iter().copied()))),
+    }
+}
+
+/// Adds ray depths to a histogram of disparities across the whole aperture; what lies beyond is in its outermost bars.
+pub fn count(histogram: &mut [u64; BARS], depths: &[f32]) {
+    for d in depths {
+        let place = (d * ACROSS / HISTOGRAM_PX + 1.0) * 0.5 * BARS as f32;
+        histogram[place.clamp(0.0, (BARS - 1) as f32) as usize] += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_histogram_has_every_ray_and_its_ends_the_rest() {
+        let mut histogram = [0; BARS];
+        count(&mut histogram, &[0.01, -0.01, 9.0, -9.0, -9.0]);
+        assert_eq!((histogram[0], histogram[BARS / 2 - 1], histogram[BARS / 2], histogram[BARS - 1]), (2, 1, 1, 1));
+    }
+}

@@ -1,0 +1,65 @@
+//! Training of what the paper compares itself with: nets that give views without ray depths.
+//!
+//! *Appearance flow* (Zhou et al. 2016): the depth net with two maps a view, where in the photo each ray's colour lies.
+//! *Direct regression*: the same layers with the colours themselves as their result. Both learn by ‖L̂ − L‖₁ alone.
+
+use crate::TrainError;
+use crate::batch::Batch;
+use crate::checkpoint::Checkpoint;
+use crate::config::Config;
+use crate::loss;
+use crate::nets::{Mode, Tape, Task, values, zeros};
+use crate::step::{Parts, Report, path, predict, training, update, with_gradient};
+
+/// A step of such a net; `done` = 0 … 1 of the run behind it.
+pub fn step(net: &mut Checkpoint, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
+    let graph = net.arch.graph();
+    let mut tape = training(&net.weights, config);
+    let y = predict(&mut tape, &graph, batch)?;
+    let said = values(y.clone());
+    let mut gradient = zeros(said.len());
+    let weight = config.losses.w_photometric;
+    let loss = match net.arch.task() {
+        Task::Flow => loss::flowed(&batch.maps, &batch.photos(), &batch.views, &said, weight, &mut gradient),
+        _ => loss::regressed(&batch.views, &said, weight, &mut gradient),
+    };
+    let gradients = with_gradient(&tape, y, gradient).backward();
+    let (gradients, statistics) = tape.finish_step(&gradients);
+    let norm = update(net, config, done, &gradients, &statistics);
+    Ok(Report { parts: Parts::from([("views", loss)]), norm })
+}
+
+/// The views `[n, v, 3, h, w]` in 0 … 1 that such a net makes of a batch's photos.
+pub fn infer(net: &Checkpoint, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
+    let mut tape = Tape::new(net.best(), Mode::Infer, path(config));
+    let said = predict(&mut tape, &net.arch.graph(), batch).map(values)?;
+    Ok(match net.arch.task() {
+        Task::Flow => loss::flowed_views(&batch.maps, &batch.photos(), &said),
+        _ => said.iter().map(|y| (0.5 * (y + 1.0)).clamp(0.0, 1.0)).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::batch::tests::toy;
+    use crate::nets::Arch;
+
+    #[test]
+    fn both_comparisons_learn_a_batch_by_heart() {
+        let batch = toy(1, (16, 12))(0).unwrap();
+        for arch in [Arch::AppearanceFlow, Arch::DirectRegression] {
+            let config = Config { lr: 4e-3, warm_up: 1, lr_end: 1.0, clip: 0.0, ..Config::default() };
+            let mut net = Checkpoint::new(arch, 1);
+            let mut losses = Vec::new();
+            for _ in 0..30 {
+                losses.push(step(&mut net, &batch, &config, 0.0).unwrap().parts["views"]);
+                net.progress.step += 1;
+            }
+            assert!(losses[29] < 0.9 * losses[0], "{arch:?}: {losses:?}");
+            let made = infer(&net, &batch, &config).unwrap();
+            assert_eq!(made.len(), batch.views.len());
+            assert!(made.iter().all(|c| (0.0..=1.0).contains(c)));
+        }
+    }
+}
