@@ -78,6 +78,15 @@ if [ "${1:-}" != "--fast" ]; then
     check "clippy" cargo clippy --quiet --workspace --all-targets --features plenoscope/onnxruntime -- -D warnings
     check "documentation" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --workspace --no-deps --document-private-items
     command -v typos >/dev/null && check "typos" typos
-    cargo deny --version >/dev/null 2>&1 && check "licences and sources of dependencies" cargo deny --log-level error check
+    if ! cargo deny --version >/dev/null 2>&1; then
+        echo "skip  licences, sources and advisories of dependencies: cargo-deny is not installed"
+    else
+        check "licences and sources of dependencies" cargo deny --log-level error check licenses bans sources
+        if cargo deny --log-level error fetch db >/dev/null 2>&1; then
+            check "advisories on dependencies" cargo deny --log-level error check advisories
+        else
+            echo "skip  advisories on dependencies: their database cannot be fetched"
+        fi
+    fi
 fi
 exit "$failed"

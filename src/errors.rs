@@ -3,6 +3,8 @@
 use std::error::Error;
 use std::fmt::Display;
 
+use crate::within;
+
 /// An error with its causes, as one sentence; a cause that the error's own text already holds is not repeated.
 pub fn sentence(error: &dyn Error) -> String {
     let mut text = error.to_string();
@@ -17,9 +19,10 @@ pub fn sentence(error: &dyn Error) -> String {
     text
 }
 
-/// A message without line breaks, as every front door shows it.
+/// A message without line breaks and what else a terminal obeys, as every front door shows it.
 pub fn one_line(message: &impl Display) -> String {
-    message.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+    let plain = message.to_string().replace(within::is_odd, " ");
+    plain.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -28,6 +31,7 @@ mod tests {
 
     #[test]
     fn an_error_is_one_line() {
+        assert_eq!(one_line(&"cannot open \u{1b}[31mx"), "cannot open [31mx");
         assert_eq!(one_line(&"cannot do\n  that — because\r\nof this"), "cannot do that — because of this");
     }
 

@@ -18,8 +18,10 @@
 //! * [`burst`]: several photos of one subject: depth that was measured, rays that were seen.
 //! * [`scene`]: the one way from a file to a picture, with edits, recipes, exports and batches.
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
-//! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence.
-//! * [`aside`]: files and folders that are there whole or not at all; [`shard`]: one of several parts of some work.
+//! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence; [`crash`]: what
+//!   is kept of a fault in the program.
+//! * [`aside`]: files and folders that are there whole or not at all; [`within`]: what others sent, within bounds;
+//!   [`shard`]: one of several parts of some work.
 //!
 //! A photo, refocused on what is seen at a place of it:
 //!
@@ -53,6 +55,7 @@ pub mod aside;
 pub mod background;
 pub mod bench;
 pub mod burst;
+pub mod crash;
 pub mod errors;
 pub mod field;
 pub mod io;
@@ -67,3 +70,4 @@ pub mod splats;
 pub mod synth;
 #[cfg(feature = "ui")]
 pub mod ui;
+pub mod within;

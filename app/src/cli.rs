@@ -87,6 +87,8 @@ pub enum Command {
     Models(Models),
     /// The lenses that --as-lens knows
     Lenses(Lenses),
+    /// Say what the program finds on this machine, and what is wrong with it
+    Doctor(Doctor),
     /// Write the built-in sample photo and its disparity
     Sample(Sample),
     /// Print the completions for a shell
@@ -165,6 +167,14 @@ pub enum ModelsCommand {
 /// Arguments of `lenses`.
 #[derive(Debug, Args)]
 pub struct Lenses {
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub struct Doctor {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,

@@ -9,13 +9,19 @@ mod output;
 mod progress;
 mod values;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use plenoscope::aside;
+use plenoscope::crash;
+use plenoscope::io::apart;
 use plenoscope::job::{Cancel, Job};
 use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope::scene::SceneError;
 use plenoscope::scene::asked::Usage;
+use plenoscope::synth::adopt::Shelf;
+use plenoscope::synth::cache::Cache;
 
 use crate::cli::{Cli, Talk};
 use crate::progress::Bar;
@@ -29,8 +35,19 @@ const USAGE: u8 = 2;
 static BLOCKS: LargeBlocks = LargeBlocks::keeping(384 << 20);
 
 fn main() -> ExitCode {
+    if apart::is_asked_for(std::env::args_os()) {
+        return apart::serve().map_or(ExitCode::FAILURE, |()| ExitCode::SUCCESS);
+    }
+    decode_apart();
     let cli = Cli::parse_from(values::spread(std::env::args_os()));
     log_to_stderr(&cli.talk);
+    if let Some(folder) = crash::folder() {
+        crash::watch(folder);
+    }
+    // What killed programs left in the person's own folders; elsewhere it goes when something is written there.
+    let own =
+        [Cache::user().map(|cache| cache.folder().to_owned()), Shelf::user().map(|shelf| shelf.folder().to_owned())];
+    own.iter().flatten().for_each(|folder| aside::sweep(folder));
     let cancel = Cancel::default();
     let bar = Bar::new(cli.talk.quiet);
     let done = stop_on_ctrl_c(&cancel).and_then(|()| commands::run(cli, Job { cancel: &cancel, sink: &bar }));
@@ -42,6 +59,17 @@ fn main() -> ExitCode {
             eprintln!("error: {}", plenoscope::errors::one_line(&error));
             if is_usage(&error) { ExitCode::from(USAGE) } else { ExitCode::FAILURE }
         }
+    }
+}
+
+/// Lets this same program decode, in processes of their own.
+fn decode_apart() {
+    // The name of a program that was replaced since leads nowhere.
+    let itself = Path::new("/proc/self/exe");
+    match std::env::current_exe() {
+        _ if itself.exists() => apart::decode_with(itself.to_owned()),
+        Ok(program) => apart::decode_with(program),
+        Err(_) => {}
     }
 }
 

@@ -7,6 +7,7 @@
 //! Parsers never trust a length: sizes are checked in the header before anything is allocated, and what is only extra
 //! (a broken depth map in a sound photo) becomes a warning.
 
+pub mod apart;
 #[cfg(test)]
 mod data_tests;
 mod error;

@@ -1,7 +1,6 @@
 //! The front door: a path or some bytes → what is in them.
 
-use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,6 +11,7 @@ use super::{DepthInfo, EmbeddedDepth, FileInfo, FileKind, OpenError, Opened, Pho
 use crate::aside::parent;
 use crate::field::Photo;
 use crate::job::{Cancel, Job, Stage};
+use crate::within;
 
 /// The longest file that is read: a light field of 17×17 views in one TIFF stays below.
 pub(crate) const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -65,18 +65,20 @@ fn open_folder(path: &Path, job: &Job) -> Result<Opened, Problem> {
 /// Reads a picture file whole; one that is none is not read beyond its first bytes.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     let mut head = Vec::new();
-    File::open(path)?.take(64).read_to_end(&mut head)?;
+    within::open(path)?.take(64).read_to_end(&mut head)?;
     FileType::of(&head)?;
     read_up_to(path, MAX_FILE_BYTES)
 }
 
 /// Reads a file whole, but not one that is longer than what it should hold.
 pub(crate) fn read_up_to(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Problem> {
-    let length = std::fs::metadata(path)?.len();
-    if length > max_bytes {
-        return Err(Problem::TooLong { length_kib: length.div_ceil(1024), limit_kib: max_bytes.div_ceil(1024) });
-    }
-    Ok(std::fs::read(path)?)
+    within::bytes(path, max_bytes).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => {
+            let length = std::fs::metadata(path).map_or(max_bytes, |facts| facts.len());
+            Problem::TooLong { length_kib: length.div_ceil(1024), limit_kib: max_bytes.div_ceil(1024) }
+        }
+        _ => Problem::Read(error),
+    })
 }
 
 pub(super) fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Opened, Problem> {

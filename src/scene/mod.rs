@@ -40,7 +40,7 @@ pub use error::SceneError;
 pub use make::{Maker, Making, Need};
 pub use mended::OTHER_PHOTO;
 pub use picture::{MadeViews, OutputSize, Scene};
-pub use recipe::Recipe;
+pub use recipe::{Found, Recipe};
 pub use series::Movement;
 pub use several::{Several, SeveralAsked, SeveralFound, told as rays_told};
 pub use source::DepthFrom;

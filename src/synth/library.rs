@@ -11,9 +11,13 @@ use sha2::{Digest, Sha256};
 use super::tract::{OnnxBytes, OnnxFile, Wiring};
 use super::{Manifest, ModelError, Task};
 use crate::field::ViewGrid;
+use crate::within;
 
 /// The models that were embedded when the program was built: path below `models/`, content.
 static EMBEDDED: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/embedded_models.rs"));
+
+/// The most that a manifest or an index may hold.
+const MOST_TEXT_BYTES: u64 = 1 << 20;
 
 /// Where models come from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
@@ -125,7 +129,13 @@ impl ModelSource {
     pub fn index(&self) -> Result<ModelIndex, ModelError> {
         let text = self.text("models.toml")?;
         let place = self.place("models.toml");
-        toml::from_str(&text).map_err(|error| ModelError::Manifest { place, why: error.message().to_owned() })
+        let bad = |why: &str| ModelError::Manifest { place: place.clone(), why: why.to_owned() };
+        let index: ModelIndex = toml::from_str(&text).map_err(|error| bad(error.message()))?;
+        let is_here = |name: &String| within::is_plain_name(name);
+        if !is_here(&index.depth) || !index.occlusion.iter().all(is_here) {
+            return Err(bad("a model must be a folder beside it"));
+        }
+        Ok(index)
     }
 
     /// Reads one model and checks its task and checksum.
@@ -244,7 +254,8 @@ impl ModelSource {
             Self::Embedded => embedded(path).map(Cow::Borrowed),
             Self::Folder(folder) => {
                 let path = folder.join(path);
-                fs::read(&path).map(Cow::Owned).map_err(|source| ModelError::Unreadable { path, source })
+                let read = within::bytes(&path, MOST_TEXT_BYTES).map(Cow::Owned);
+                read.map_err(|source| ModelError::Unreadable { path, source })
             }
         }
     }
@@ -265,7 +276,7 @@ fn embedded(path: &str) -> Result<&'static [u8], ModelError> {
 
 /// Checksum of a file, read a piece at a time: weights can be larger than the memory that is free.
 pub(super) fn checksum(path: &Path) -> std::io::Result<String> {
-    let mut file = fs::File::open(path)?;
+    let mut file = within::open(path)?;
     let mut sum = Sha256::new();
     let mut piece = vec![0; 1 << 20];
     loop {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::tract::Wiring;
 use super::{ModelError, ModelTag};
 use crate::field::ViewGrid;
+use crate::within::is_plain_name;
 
 /// What a model is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -310,12 +311,11 @@ impl Manifest {
         let sides = self.working_long_side.as_slice();
         let rules = &self.relative;
         let bad_range = |[lo, hi]: [f32; 2]| !(lo < hi && lo.is_finite() && hi.is_finite());
-        let plain = |name: &str| !name.is_empty() && !name.contains(['/', '\\']) && name != "..";
         ViewGrid::new(self.views[0], self.views[1]).map_err(|error| error.to_string())?;
         let faults = [
-            (!plain(&self.id), "id must be a plain folder name"),
-            (!plain(&self.file), "file must be a plain file name"),
-            (!self.data_files.keys().all(|name| plain(name)), "data_files must be plain file names"),
+            (!is_plain_name(&self.id), "id must be a plain folder name"),
+            (!is_plain_name(&self.file), "file must be a plain file name"),
+            (!self.data_files.keys().all(|name| is_plain_name(name)), "data_files must be plain file names"),
             (self.sha256.len() != 64, "sha256 must have 64 hexadecimal digits"),
             (self.inputs.is_empty(), "inputs must name at least one of rgb, yx"),
             (sides.is_empty(), "working_long_side must name at least one size"),
@@ -381,6 +381,7 @@ mod tests {
             ("[relative]\nsky_output = \"sky\"", "output_name"),
             ("[relative]\noutput = \"depth\"", "depth"),
             ("[data_files]\n\"../x\" = \"0\"", "data_files"),
+            ("[data_files]\n\".\" = \"0\"", "data_files"),
         ] {
             let error = with(line).unwrap_err().to_string();
             assert!(error.contains(word), "{error} should name {word}");

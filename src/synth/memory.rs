@@ -27,7 +27,7 @@ fn check_against(size: [u32; 2], grid: ViewGrid, free_bytes: u64) -> Result<(), 
 }
 
 /// Memory that can be had without swapping; none where the system does not say.
-fn free_bytes() -> Option<u64> {
+pub fn free_bytes() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
     let kib: u64 = line.split_whitespace().nth(1)?.parse().ok()?;

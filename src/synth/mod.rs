@@ -20,7 +20,7 @@ pub mod lambertian;
 mod library;
 pub mod lift;
 mod manifest;
-mod memory;
+pub mod memory;
 mod net;
 mod occlusion;
 mod params;

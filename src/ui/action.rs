@@ -57,3 +57,31 @@ pub enum Action {
     /// Stops one export.
     StopTask(JobId),
 }
+
+impl Action {
+    /// What a report of a fault says of it: no path, nothing that was typed.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Do(command) => command.spec().label,
+            Self::Open(_) => "open",
+            Self::Ask(_) => "ask the system for a file",
+            Self::Show(_) => "show a dialog",
+            Self::CloseDialog => "close the dialog",
+            Self::Tell(_) => "tell",
+            Self::Refuse(_) => "refuse",
+            Self::LookFrom(_) => "look from elsewhere",
+            Self::FocusOnSubject => "focus on the subject",
+            Self::Repair(_) => "mend the depth",
+            Self::Unrepair(_) => "take a repair away",
+            Self::PasteEdit(_) => "paste an edit",
+            Self::TakeDepths(_) => "take depth from elsewhere",
+            Self::TakeMap(_) => "take a depth map",
+            Self::UseModels(_) => "take nets from a folder",
+            Self::ChangeNets(_) => "change the nets",
+            Self::MakeAgain => "make the light field again",
+            Self::StartExport(_) => "export",
+            Self::Learn(_) => "put a hint away",
+            Self::StopTask(_) => "stop an export",
+        }
+    }
+}

@@ -19,7 +19,7 @@ use super::rest::Seen;
 use super::settings::Settings;
 use super::window::{Options, Window};
 use super::worker::{JobId, Outbox};
-use super::{inbox, input, mending, panels, screen, theme};
+use super::{history, inbox, input, mending, panels, screen, theme};
 use crate::field::{Lens, LightField};
 use crate::repair::Repairs;
 use crate::scene::{DepthFrom, Edit, Focus};
@@ -270,8 +270,12 @@ impl eframe::App for App {
 
     /// The last edit, while the window closes: a few hundred bytes, written before the threads are gone.
     fn on_exit(&mut self) {
-        if let Some(Err(why)) = self.window.unkept().map(|keep| keep.write()) {
-            log::warn!("{why}");
+        match self.window.unkept().map(|keep| keep.write()) {
+            Some(Err(why)) => log::error!("{why}"),
+            Some(Ok(Some(theirs))) => {
+                log::error!("a photo was edited elsewhere meanwhile; {}", history::kept_as(&theirs))
+            }
+            Some(Ok(None)) | None => {}
         }
     }
 

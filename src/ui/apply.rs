@@ -20,12 +20,14 @@ use super::open::Open;
 use super::queue::State;
 use super::saver::{Order, Queued, Shown};
 use super::window::Window;
+use crate::crash;
 use crate::field::{ViewOffset, ViewPoint};
 use crate::io::formats::layout::Layout;
 use crate::scene::{Content, DepthFrom, Edit, Recipe, Subject};
 
 /// Does what a person asked for.
 pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
+    crash::note(action.name());
     match action {
         Action::Do(command) if can(window, command) => obey(window, command, ctx),
         Action::Do(_) => {}

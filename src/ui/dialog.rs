@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::added::Shown;
 use super::ask::PathFor;
 use super::near_end::Question;
+use crate::crash::Report;
 
 /// A dialog of the window's own.
 pub enum Dialog {
@@ -18,8 +19,18 @@ pub enum Dialog {
     Settings,
     /// Which end of a depth map is near.
     NearEnd(Question),
+    /// The program broke off the last time.
+    Broke(Box<Broke>),
     /// A depth net was added.
     Added(Box<Shown>),
     /// Several files were dropped: open the first, or export them all.
     Many(Vec<PathBuf>),
+}
+
+/// A fault of the last time.
+pub struct Broke {
+    /// What was kept of it.
+    pub report: Report,
+    /// Whether it is shown.
+    pub is_shown: bool,
 }

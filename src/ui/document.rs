@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::errors::sentence;
 use crate::io;
 use crate::job::Job;
-use crate::scene::{DepthFrom, Recipe, Subject};
+use crate::scene::{DepthFrom, Found, Recipe, Subject};
 
 /// What was read.
 #[derive(Clone, Debug)]
@@ -15,6 +15,8 @@ pub struct Document {
     pub subject: Arc<Subject>,
     /// The edit beside it.
     pub sidecar: Sidecar,
+    /// What the file of that edit held.
+    pub found: Found,
     /// What a person should know about it.
     pub warnings: Vec<String>,
 }
@@ -33,7 +35,7 @@ pub enum Sidecar {
 
 impl From<Subject> for Document {
     fn from(subject: Subject) -> Self {
-        Self { subject: Arc::new(subject), sidecar: Sidecar::None, warnings: Vec::new() }
+        Self { subject: Arc::new(subject), sidecar: Sidecar::None, found: Found::default(), warnings: Vec::new() }
     }
 }
 
@@ -43,7 +45,8 @@ impl Document {
         let opened = io::open(path, job).map_err(|error| sentence(&error))?;
         let mut warnings = opened.info().warnings.clone();
         let subject = Arc::new(Subject::from_opened(opened, path));
-        let recipe = if subject.photo().is_some() { Recipe::of_photo(path) } else { Ok(None) };
+        let has_edit = subject.photo().is_some();
+        let (recipe, found) = if has_edit { Recipe::found_beside(path) } else { (Ok(None), Found::default()) };
         let sidecar = match recipe {
             Ok(recipe) => recipe.map_or(Sidecar::None, |recipe| Sidecar::Read(Box::new(recipe))),
             Err(error) => {
@@ -51,7 +54,7 @@ impl Document {
                 Sidecar::Unreadable
             }
         };
-        Ok(Self { subject, sidecar, warnings })
+        Ok(Self { subject, sidecar, found, warnings })
     }
 
     /// Where its depth comes from, as the edit beside it says.

@@ -1,6 +1,6 @@
 //! The history of a photo's edits: undone and redone, and kept beside the photo.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::util::undoer::Undoer;
 
@@ -9,7 +9,7 @@ use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::job::Cancel;
 use crate::repair::Repairs;
-use crate::scene::{DepthFrom, Edit, Recipe};
+use crate::scene::{DepthFrom, Edit, Found, Recipe};
 
 /// All that is undone as one: the edit, and what was mended.
 #[derive(Clone, Default, PartialEq)]
@@ -85,23 +85,31 @@ pub struct Keep {
     pub photo: PathBuf,
     /// The edit, with what else its file held.
     pub recipe: Recipe,
+    /// What its file held when it was read.
+    pub found: Found,
 }
 
 impl Keep {
-    /// Writes it beside its photo.
-    pub fn write(&self) -> Result<(), String> {
-        self.recipe.write(&Recipe::sidecar(&self.photo)).map_err(|error| sentence(&error))
+    /// Writes it beside its photo; says where an edit is now that somebody else put there meanwhile.
+    pub fn write(&self) -> Result<Option<PathBuf>, String> {
+        self.recipe.keep_beside(&self.photo, self.found).map_err(|error| sentence(&error))
     }
 }
 
 /// The work of the thread that keeps edits.
 pub fn keep(job: JobId, keep: Keep, _: &Cancel, outbox: &Outbox) {
-    if let Err(why) = keep.write() {
-        outbox.send(
-            job,
-            Event::Failed(format!(
-                "the edit is not kept beside the photo — {why} — copy the photo to a folder of yours, or turn this off in the settings"
-            )),
-        );
-    }
+    let told = match keep.write() {
+        Ok(None) => return,
+        Ok(Some(theirs)) => Event::Warning(format!("This photo was edited elsewhere meanwhile; {}", kept_as(&theirs))),
+        Err(why) => Event::Failed(format!(
+            "the edit is not kept beside the photo — {why} — copy the photo to a folder of yours, or turn this off in the settings"
+        )),
+    };
+    outbox.send(job, told);
+}
+
+/// Where the edit of somebody else is.
+pub fn kept_as(theirs: &Path) -> String {
+    let name = theirs.file_name().unwrap_or_default().to_string_lossy();
+    format!("that edit is kept as {name}")
 }

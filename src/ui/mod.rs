@@ -18,6 +18,7 @@ mod document;
 mod event;
 mod field_pictures;
 mod finals;
+pub mod graphics;
 mod hints;
 mod history;
 pub mod icon;
@@ -108,7 +109,7 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
     };
     if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut native.wgpu_options.wgpu_setup {
         // OpenGL is no driver that the window needs, and looking for it takes a fifth of the start.
-        setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+        setup.instance_descriptor.backends = backends();
         // The adapter's own limits: large photos and 17×17 views need more than the least that is promised everywhere.
         setup.device_descriptor = Arc::new(|adapter: &wgpu::Adapter| wgpu::DeviceDescriptor {
             label: Some("plenoscope"),
@@ -121,6 +122,11 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
         Ok(Box::new(app) as Box<dyn eframe::App>)
     });
     Ok(eframe::run_native("plenoscope", native, start)?)
+}
+
+/// The interfaces of drivers that the window uses.
+fn backends() -> wgpu::Backends {
+    wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY)
 }
 
 fn icon() -> egui::IconData {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use eframe::egui_wgpu::RenderState;
 
 use super::compare::{Compare, Kept};
-use super::dialog::Dialog;
+use super::dialog::{Broke, Dialog};
 use super::document::Sidecar;
 use super::field_pictures::FieldPictures;
 use super::history::{History, Keep, Step};
@@ -25,6 +25,7 @@ use super::toasts::Toasts;
 use super::trust::Tint;
 use super::worker::Outbox;
 use super::workers::Workers;
+use crate::crash;
 use crate::repair::{MOST, Repair, Repairs};
 use crate::scene::real::{KnownLens, known_lenses, published_lenses};
 use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
@@ -40,6 +41,8 @@ pub struct Options {
     pub models: ModelSource,
     /// The nets that the person added.
     pub shelf: Option<Shelf>,
+    /// Where reports of faults lie, to be offered.
+    pub crashes: Option<PathBuf>,
     /// Long side of a view, in pixels; none is what the settings say.
     pub long_side: Option<u32>,
     /// Threads for the nets; 0 is one for each core.
@@ -107,6 +110,12 @@ pub struct Window {
     shelf: Option<Shelf>,
 }
 
+/// What broke the last time, as a question.
+fn offer(options: &Options) -> Option<Dialog> {
+    let report = crash::take_unseen(options.crashes.as_deref()?)?;
+    Some(Dialog::Broke(Box::new(Broke { report, is_shown: false })))
+}
+
 impl Window {
     /// A window with nothing in it. `remembers`: whether what is opened is kept for the next time.
     pub fn new(
@@ -135,7 +144,7 @@ impl Window {
             rest: AtRest::default(),
             queue: Queue::default(),
             toasts,
-            dialog: None,
+            dialog: offer(options),
             thumbnails: Vec::new(),
             lenses,
             models: Vec::new(),
@@ -250,6 +259,7 @@ impl Window {
     pub fn unkept(&mut self) -> Option<Keep> {
         let document = self.open.document()?;
         let photo = document.subject.path.clone().filter(|_| document.subject.photo().is_some())?;
+        let found = document.found;
         let is_kept = self.settings.keeps_edits && !matches!(document.sidecar, Sidecar::Unreadable);
         if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.step(), &self.source) {
             return None;
@@ -258,7 +268,7 @@ impl Window {
         if let Some(document) = self.open.document_mut() {
             document.sidecar = Sidecar::Read(Box::new(recipe.clone()));
         }
-        Some(Keep { photo, recipe })
+        Some(Keep { photo, recipe, found })
     }
 
     /// The edit as a recipe, with what else its file held.

@@ -10,7 +10,7 @@ use crate::alloc::peak_bytes;
 
 /// The most memory that a bad file may cost.
 pub const MAX_BYTES: usize = 1 << 30;
-/// Files that are tried of each parser where nobody asks for more.
+/// Files that are tried of each parser where neither `PLENOSCOPE_FUZZ_FILES` nor `PLENOSCOPE_FUZZ_SECS` asks for more.
 const FEW: u64 = 120;
 
 /// One at a time, so that the memory that is counted is that of one parser.
@@ -111,8 +111,8 @@ impl Random {
     }
 }
 
-/// Damages seeds again and again and gives them to a parser: a few times, or for as many seconds as
-/// `PLENOSCOPE_FUZZ_SECS` says. A file that fails is kept and named.
+/// Damages seeds again and again and gives them to a parser: a few times, as often as `PLENOSCOPE_FUZZ_FILES` or for as many
+/// seconds as `PLENOSCOPE_FUZZ_SECS` says. A file that fails is kept and named.
 pub fn fuzz<T, E: Display>(parser: &str, seeds: &[Vec<u8>], parse: impl Fn(&[u8]) -> Result<T, E>) {
     for whole in seeds {
         assert!(run(parser, || parse(whole)).is_ok(), "{parser}: an undamaged file is refused");
@@ -122,11 +122,12 @@ pub fn fuzz<T, E: Display>(parser: &str, seeds: &[Vec<u8>], parse: impl Fn(&[u8]
         std::fs::create_dir_all(&folder).unwrap();
         seeds.iter().enumerate().for_each(|(n, whole)| std::fs::write(folder.join(n.to_string()), whole).unwrap());
     }
-    let secs: Option<u64> = std::env::var("PLENOSCOPE_FUZZ_SECS").ok().and_then(|secs| secs.parse().ok());
-    let end = secs.map(|secs| Instant::now() + Duration::from_secs(secs));
+    let asked = |name| std::env::var(name).ok().and_then(|number| number.parse::<u64>().ok());
+    let files = asked("PLENOSCOPE_FUZZ_FILES").unwrap_or(FEW);
+    let end = asked("PLENOSCOPE_FUZZ_SECS").map(|secs| Instant::now() + Duration::from_secs(secs));
     let mut slowest = (Duration::ZERO, 0);
     let mut seed = 0;
-    while end.map_or(seed < FEW, |end| Instant::now() < end) {
+    while end.map_or(seed < files, |end| Instant::now() < end) {
         let bytes = Random::new(seed).damage(&seeds[seed as usize % seeds.len()]);
         let started = Instant::now();
         let tried = catch_unwind(AssertUnwindSafe(|| drop(run(parser, || parse(&bytes)))));

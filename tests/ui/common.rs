@@ -29,20 +29,26 @@ pub fn has_device() -> bool {
 
 /// An empty window, whose views will be small.
 pub fn window(size: [f32; 2]) -> Window {
-    window_of(size, 120, None)
+    window_of(size, 120, None, None)
+}
+
+/// The same after faults whose reports lie in a folder.
+pub fn window_after_faults(size: [f32; 2], crashes: &Path) -> Window {
+    window_of(size, 120, None, Some(crashes.to_owned()))
 }
 
 /// The same with nets that a person added.
 pub fn window_with_shelf(size: [f32; 2], shelf: Option<Shelf>) -> Window {
-    window_of(size, 120, shelf)
+    window_of(size, 120, shelf, None)
 }
 
 /// An empty window, whose views will have this long side.
-fn window_of(size: [f32; 2], long_side: u32, shelf: Option<Shelf>) -> Window {
+fn window_of(size: [f32; 2], long_side: u32, shelf: Option<Shelf>, crashes: Option<PathBuf>) -> Window {
     let options = Options {
         files: Vec::new(),
         models: ModelSource::Embedded,
         shelf,
+        crashes,
         long_side: Some(long_side),
         threads: 1,
         restores_last: false,
@@ -116,7 +122,7 @@ pub fn with_sample(size: [f32; 2]) -> Window {
 
 /// The same with views as large as people have them.
 pub fn with_large_sample(size: [f32; 2]) -> Window {
-    try_sample(window_of(size, 540, None))
+    try_sample(window_of(size, 540, None, None))
 }
 
 fn try_sample(mut harness: Window) -> Window {

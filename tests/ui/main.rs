@@ -7,8 +7,10 @@
 
 mod common;
 mod edits;
+mod faults;
 mod hints;
 mod looks;
+mod monkey;
 #[path = "../common/nets.rs"]
 mod nets;
 mod queue;

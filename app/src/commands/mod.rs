@@ -4,6 +4,7 @@ mod batch;
 mod bench;
 mod burst;
 mod depth;
+mod doctor;
 mod epi;
 mod export;
 mod info;
@@ -20,6 +21,7 @@ mod view;
 use std::path::PathBuf;
 
 use anyhow::Result;
+use plenoscope::crash;
 use plenoscope::job::Job;
 use plenoscope::scene::asked::Usage;
 use plenoscope::synth::adopt::Shelf;
@@ -34,6 +36,11 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
             format!("a command comes first — {} stands before it — see plenoscope --help", cli.files[0].display());
         return Err(Usage(text).into());
     }
+    if let Some(command) = &cli.command {
+        // Its name alone: what was typed behind it may hold paths.
+        let all = format!("{command:?}");
+        crash::note(all.split(|letter: char| !letter.is_alphanumeric()).next().unwrap_or_default());
+    }
     match cli.command {
         Some(Command::Synth(args)) => export::synth(&args, &job),
         Some(Command::Burst(args)) => burst::run(&args, &job),
@@ -47,6 +54,7 @@ pub fn run(cli: Cli, job: Job) -> Result<()> {
         Some(Command::Info(args)) => info::run(&args, &job),
         Some(Command::Models(args)) => models::run(&args, &job),
         Some(Command::Lenses(args)) => lenses::run(&args, &job),
+        Some(Command::Doctor(args)) => doctor::run(&args, &job),
         Some(Command::Sample(args)) => sample::run(&args, &job),
         Some(Command::Completions { shell }) => pages::completions(shell),
         Some(Command::Icons { output }) => pages::icons(&output),
@@ -60,5 +68,6 @@ fn window(files: Vec<PathBuf>, args: Window) -> Result<()> {
     let models = input::model_source(args.models.as_deref());
     let restores_last = files.is_empty() && !args.fresh;
     let (long_side, threads) = (args.long_side, args.threads.into());
-    Ok(ui::run(ui::Options { files, models, shelf: Shelf::user(), long_side, threads, restores_last })?)
+    let (shelf, crashes) = (Shelf::user(), crash::folder());
+    Ok(ui::run(ui::Options { files, models, shelf, crashes, long_side, threads, restores_last })?)
 }

@@ -2,16 +2,22 @@
 #![allow(clippy::unwrap_used, reason = "in a test a panic is the failure")]
 
 mod agree;
+mod apart;
 mod basics;
 mod batch;
 mod book;
 mod burst;
 mod common;
+mod faults;
+#[cfg(unix)]
+mod guests;
 mod light_field;
 mod nets;
 #[path = "../../../tests/common/nets.rs"]
 mod small_nets;
 mod splats;
+#[cfg(target_os = "linux")]
+mod torn;
 #[cfg(target_os = "linux")]
 mod window;
 mod window_export;

@@ -20,6 +20,7 @@ use crate::io::open::{MAX_TEXT_BYTES, read_up_to};
 use crate::io::save::{self, SaveError};
 use crate::io::{FileInfo, LightFieldFile, Opened, Problem};
 use crate::job::Job;
+use crate::within::plain_words;
 
 const FORMAT: &str = "HCI 4-D benchmark";
 pub(super) const CONFIG: &str = "parameters.cfg";
@@ -54,7 +55,8 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> 
     let field = views::read_views(&files, job)?;
     let mut info = FileInfo::light_field(FORMAT, &field);
     info.disparity_px = number("disp_min").zip(number("disp_max")).map(|(low, high)| [low, high]);
-    info.notes.extend(config.get("scene").map(|scene| ("scene".to_owned(), scene.clone())));
+    let scene = config.get("scene").map(|scene| plain_words(scene, views::MOST_LETTERS));
+    info.notes.extend(scene.map(|scene| ("scene".to_owned(), scene)));
     let grid = field.grid();
     let name = |at: ViewIndex| folder.join(format!("gt_disp_lowres_Cam{:03}.pfm", grid.layer_from_view(at)));
     let depths = views::read_depths(&field, name, job, &mut warnings)?;

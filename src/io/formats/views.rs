@@ -17,12 +17,15 @@ use crate::io::open::{MAX_TEXT_BYTES, read_file, read_up_to};
 use crate::io::save::{self, SaveError};
 use crate::io::{FileInfo, LightFieldFile, Opened, Problem, raster};
 use crate::job::{Job, Stage};
+use crate::within::plain_words;
 
 /// The index file of a `views` folder.
 pub const INDEX_FILE: &str = "lightfield.json";
 /// The most bytes that the views of a light field may take: 17×17 of a megapixel, and some more.
 const MAX_FIELD_BYTES: u64 = 3 << 29;
 const FORMAT: &str = "views folder";
+/// The most letters of a stranger's word that are shown.
+pub(super) const MOST_LETTERS: usize = 200;
 /// Views of one scene differ by less than this when they are moved onto each other, on average.
 const UNRELATED: f32 = 0.05;
 
@@ -74,7 +77,7 @@ pub(super) fn read_files(
     let mut info = FileInfo::light_field(format, &field);
     info.disparity_px = index.disparity_px_min_max.or(index.disparity_px_2_98);
     for (name, text) in [("name", index.name), ("camera", index.camera), ("scene", index.scene)] {
-        info.notes.extend(text.map(|text| (name.to_owned(), text)));
+        info.notes.extend(text.map(|text| (name.to_owned(), plain_words(&text, MOST_LETTERS))));
     }
     let mut warnings: Vec<String> = index_warning.into_iter().collect();
     let reference = field.grid().reference();

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use moxcms::{ColorProfile, DataColorSpace, Layout, ProfileText, TransformExecutor, TransformOptions};
 use rayon::prelude::*;
 
+use crate::within::plain_words;
+
 /// Pixels that one task converts.
 const CHUNK: usize = 1 << 14;
 
@@ -81,7 +83,7 @@ pub(crate) fn profile_name(icc: &[u8]) -> Option<String> {
         ProfileText::Localizable(texts) => texts.into_iter().next()?.value,
         ProfileText::Description(text) => text.ascii_string,
     };
-    let text = text.trim_matches(['\0', ' ', '\n']).to_owned();
+    let text = plain_words(text.trim_matches(['\0', ' ', '\n']), 200);
     (!text.is_empty()).then_some(text)
 }
 

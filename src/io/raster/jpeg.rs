@@ -5,13 +5,19 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-use super::{Raster, Samples, check_size, color};
+use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color};
 use crate::io::Problem;
 use crate::io::jpeg_parts::{self, JpegParts};
 
 const FORMAT: &str = "JPEG";
 /// Zeros behind the data of a file that is tried for missing data: fewer than a row of blocks could be made of.
 const SPARE_BYTES: usize = 16;
+/// A block of 8×8 pixels takes a bit or more, whatever is in it, and colours at half the size add half a block: no byte
+/// stands for more pixels. Below [`LITTLE`] pixels nobody counts.
+const MAX_PIXELS_PER_BYTE: u64 = 8 * 64 * 2 / 3;
+const LITTLE: u64 = 8 << 20;
+/// Bytes of a pixel while all passes of a progressive picture are gathered: three numbers of 16 bits, and the pixel.
+const PROGRESSIVE_BYTES: u64 = 3 * 2 + 4;
 const NOT_WHOLE: &str = "the picture's data are damaged or end early, so a part of it is grey or blurred";
 
 /// Decodes the first picture of a JPEG file.
@@ -47,6 +53,7 @@ pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Pr
     let end = parts.end.ok_or(Problem::Truncated { format: FORMAT })?;
     let bytes = &bytes[..end];
     let (decoder, size, space) = header(bytes)?;
+    check_data(size, parts.is_progressive(), bytes.len())?;
     let icc = decoder.icc_profile();
     let rgb_icc = |icc: Option<Vec<u8>>| icc.filter(|icc| color::is_rgb(icc));
     let (pixels, icc, is_whole) = match space {
@@ -74,6 +81,19 @@ pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Pr
     let xmp = parts.xmp().map(<[u8]>::to_vec);
     let warnings = if is_whole { Vec::new() } else { vec![NOT_WHOLE.to_owned()] };
     Ok(Raster { size, samples: Samples::Eight(pixels), has_alpha: false, icc, exif, xmp, orientation, warnings })
+}
+
+/// Refuses a header whose pixels the data cannot hold, and passes that would not fit into memory together.
+fn check_data(size: [u32; 2], is_progressive: bool, file_bytes: usize) -> Result<(), Problem> {
+    let [width, height] = size.map(u64::from);
+    let pixels = width * height;
+    if pixels > LITTLE && pixels > MAX_PIXELS_PER_BYTE * file_bytes as u64 {
+        return Err(Problem::Implausible { width, height, file_kib: file_bytes.div_ceil(1024) });
+    }
+    if is_progressive && pixels * PROGRESSIVE_BYTES > MAX_DECODED_BYTES {
+        return Err(Problem::TooLarge { width, height, limit_mib: MAX_DECODED_BYTES >> 20 });
+    }
+    Ok(())
 }
 
 /// All pixels of `N` channels, and whether the data were there for all of them.
@@ -133,4 +153,24 @@ fn cmyk(mut inks: Vec<u8>, icc: Option<Vec<u8>>) -> (Vec<[u8; 4]>, Option<Vec<u8
     }
     inks.iter_mut().for_each(|ink| *ink = 255 - *ink);
     (plain(&inks), None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_that_the_data_cannot_hold_are_refused() {
+        // A header of 49 megapixels over 20 KiB, plain or progressive.
+        for is_progressive in [false, true] {
+            let refused = check_data([7000, 7000], is_progressive, 20 << 10);
+            assert!(matches!(refused, Err(Problem::Implausible { file_kib: 20, .. })));
+        }
+        // The flattest picture that there can be, one cut off early, and a small one.
+        for (size, bytes) in [([7000, 7000], 150 << 10), ([4000, 3000], 60 << 10), ([2000, 1500], 700)] {
+            assert!(check_data(size, true, bytes).is_ok(), "{size:?}");
+        }
+        assert!(matches!(check_data([16_000, 16_000], true, 40 << 20), Err(Problem::TooLarge { .. })));
+        assert!(check_data([16_000, 16_000], false, 40 << 20).is_ok());
+    }
 }

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use crate::aside::IsLink;
 use crate::field::{Metadata, Photo, Picture, Transfer};
 
 pub use animation::{AnimationOptions, animation};
@@ -36,6 +37,12 @@ pub enum SaveError {
     /// A file where a folder is to be.
     #[error("the folder cannot be made — there is a file of that name — choose another name: {}", .0.display())]
     InTheWay(PathBuf),
+    /// A link where a folder is to be.
+    #[error("the folder cannot be made — there is a symbolic link of that name, which is not followed — name the folder that it leads to: {}", .0.display())]
+    IsLink(PathBuf),
+    /// A name that the disk does not take.
+    #[error("the picture cannot be saved — its name is too long, or has letters that the disk does not take — choose a shorter one: {}", .0.display())]
+    Name(PathBuf),
     /// The target is the photo itself.
     #[error("the picture would replace the photo that it is made from — choose another name, or ask for it (--force): {}", .0.display())]
     IsSource(PathBuf),
@@ -84,6 +91,8 @@ impl SaveError {
             ErrorKind::NotFound | ErrorKind::NotADirectory => Self::NoFolder(path),
             ErrorKind::IsADirectory => Self::IsFolder(path),
             ErrorKind::AlreadyExists => Self::InTheWay(path),
+            ErrorKind::InvalidFilename => Self::Name(path),
+            _ if error.get_ref().is_some_and(|inner| inner.is::<IsLink>()) => Self::IsLink(path),
             _ => Self::Encode { why: error.to_string(), path },
         }
     }

@@ -12,6 +12,9 @@ use std::time::UNIX_EPOCH;
 
 use serde::{Deserialize, Serialize};
 
+use crate::aside::IsLink;
+use crate::within;
+
 /// The folder in the folder of the pictures.
 const FOLDER: &str = ".plenoscope-batch";
 const ENDING: &str = ".jsonl";
@@ -70,6 +73,11 @@ impl Journal {
         let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
         if own.is_none() {
             fs::create_dir_all(&self.folder)?;
+            // A link that somebody laid there would lead elsewhere.
+            let ours = self.folder.ancestors().take(2);
+            if ours.map(fs::symlink_metadata).any(|facts| facts.is_ok_and(|facts| facts.is_symlink())) {
+                return Err(io::Error::other(IsLink));
+            }
             *own = Some(new_file(&self.folder)?);
         }
         own.as_mut().map_or(Ok(()), |file| file.write_all(line.as_bytes()))
@@ -101,7 +109,7 @@ impl Known {
 
     /// Reads whole lines from a place on, and says how many bytes they were.
     fn read_file(&mut self, path: &Path, from: u64) -> io::Result<u64> {
-        let mut file = File::open(path)?;
+        let mut file = within::open(path)?;
         if file.metadata()?.len() <= from {
             return Ok(0);
         }

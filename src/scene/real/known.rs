@@ -1,12 +1,12 @@
 //! Lenses by their published data, and a person's own in small TOML files.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 use serde::{Deserialize, Serialize};
 
 use crate::field::LensShape;
+use crate::within;
 
 /// A lens as its maker describes it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,12 +59,7 @@ impl KnownLens {
     /// A file that cannot be read or is too large; what is missing or cannot be.
     pub fn read(path: &Path) -> Result<Self, LensFileError> {
         let failed = |why: String| LensFileError { why, path: path.to_owned() };
-        let mut text = String::new();
-        let file = std::fs::File::open(path).map_err(|e| failed(e.to_string()))?;
-        let read = file.take(MOST_BYTES + 1).read_to_string(&mut text).map_err(|e| failed(e.to_string()))?;
-        if read as u64 > MOST_BYTES {
-            return Err(failed("it is too large for one".to_owned()));
-        }
+        let text = within::text(path, MOST_BYTES).map_err(|e| failed(e.to_string()))?;
         let lens: Self = toml::from_str(&text).map_err(|e| failed(e.message().replace('\n', " ")))?;
         lens.check().map_err(|what| failed(format!("its {what} is out of range")))?;
         Ok(lens)
@@ -74,7 +69,10 @@ impl KnownLens {
     fn check(&self) -> Result<(), &'static str> {
         let [widest, narrowest] = self.f_numbers;
         let checks = [
-            ("name", !self.name.trim().is_empty() && self.name.chars().count() <= 80),
+            (
+                "name",
+                !self.name.trim().is_empty() && self.name.chars().count() <= 80 && !self.name.contains(within::is_odd),
+            ),
             ("focal_mm", (1.0..=3000.0).contains(&self.focal_mm)),
             ("f_numbers", (0.5..=90.0).contains(&widest) && (widest..=90.0).contains(&narrowest)),
             ("blades", self.blades.is_none_or(|n| (3..=LensShape::BLADES[1]).contains(&n))),
@@ -130,10 +128,15 @@ fn of_data((name, focal_mm, f_numbers, blades, nearest_m): &(&str, f32, [f32; 2]
     }
 }
 
+/// Where a person's own lenses lie; none where the system has no such place.
+pub fn own_folder() -> Option<PathBuf> {
+    ProjectDirs::from("", "", "plenoscope").map(|dirs| dirs.config_dir().join("lenses"))
+}
+
 /// TOML files of the person's folder of lenses, by name.
 fn own_files() -> Vec<PathBuf> {
-    let Some(dirs) = ProjectDirs::from("", "", "plenoscope") else { return Vec::new() };
-    let files = std::fs::read_dir(dirs.config_dir().join("lenses")).into_iter().flatten().flatten();
+    let Some(folder) = own_folder() else { return Vec::new() };
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let is_toml = |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     let mut files: Vec<PathBuf> = files.map(|file| file.path()).filter(is_toml).take(MOST_FILES).collect();
     files.sort();
@@ -174,6 +177,7 @@ mod tests {
             (with("blades = 200"), "blades"),
             (with("nearest_m = -1"), "nearest_m"),
             (with("nearest_m = inf"), "nearest_m"),
+            (whole.replace("\"x\"", r#""\u001b[2Jx""#).into(), "name"),
             (with("sparkle = 3"), "sparkle"),
             (with(&"#".repeat(70_000)), "too large"),
         ];

@@ -15,7 +15,7 @@ use super::{Edit, Focus, Scene};
 use crate::field::FNumber;
 use crate::synth::range::{F35_MM, FILM_M, Metric, USUAL_F35_MM, VIEWS};
 
-pub use known::{KnownLens, LensFileError, all as known_lenses, published as published_lenses};
+pub use known::{KnownLens, LensFileError, all as known_lenses, own_folder, published as published_lenses};
 
 /// A sensor, by the length of its longer side.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,6 +6,7 @@
 //! `{"net": {"name": "…", "sha256": "…"}}`. Its `repairs` are what was mended of that depth ([`crate::repair`]). What is
 //! unknown here stays in the file.
 
+mod beside;
 mod error;
 mod pixels;
 
@@ -19,7 +20,9 @@ use super::{DepthFrom, Edit, Focus, OutputSize, source};
 use crate::field::{Strength, ViewPoint};
 use crate::io::save::{Format, Keep, SaveError, atomic};
 use crate::repair::Repairs;
+use crate::within;
 
+pub use beside::Found;
 pub use error::RecipeError;
 use pixels::PixelEdit;
 
@@ -27,6 +30,8 @@ use pixels::PixelEdit;
 const SIDECAR: &str = ".plenoscope.json";
 /// A recipe is small, even with many strokes; what is larger is none.
 const LARGEST_BYTES: u64 = 16 << 20;
+/// The most letters of the name of pictures.
+const LONGEST_NAME: usize = 200;
 /// The version that is written.
 const VERSION: u64 = 2;
 /// What its numbers mean, for whoever reads the file.
@@ -183,6 +188,7 @@ impl Recipe {
             ("focus", place_is_inside),
             ("quality", (1..=100).contains(&self.export.quality)),
             ("bits", [8, 16].contains(&self.export.bits)),
+            ("name", self.export.name.chars().count() <= LONGEST_NAME),
         ];
         match checks.iter().find(|(_, is_good)| !is_good).map(|(name, _)| *name).or(edit.glass.out_of_range()) {
             Some(name) => Err(format!("its {name} is out of range")),
@@ -216,11 +222,7 @@ impl Recipe {
     /// Reads a recipe.
     pub fn read(path: &Path) -> Result<Self, RecipeError> {
         let failed = |why: String| RecipeError::Read { why, path: path.to_owned() };
-        let bytes = std::fs::metadata(path).map_err(|e| failed(e.to_string()))?.len();
-        if bytes > LARGEST_BYTES {
-            return Err(failed("it is too large for one; give the recipe's file".to_owned()));
-        }
-        let text = std::fs::read_to_string(path).map_err(|e| failed(e.to_string()))?;
+        let text = within::text(path, LARGEST_BYTES).map_err(|e| failed(e.to_string()))?;
         Self::from_json(&text).map_err(|why| RecipeError::Parse { why, path: path.to_owned() })
     }
 
@@ -261,7 +263,7 @@ impl PictureSettings {
             Focus::Disparity(share) => format!("{:+.2}", share * super::Making::LONG_SIDE as f32),
         };
         let name = self.name.replace("{name}", &stem).replace("{f}", f).replace("{focus}", &focus);
-        let name = name.replace(['/', '\\', '\0'], "-");
+        let name = name.replace(|letter: char| matches!(letter, '/' | '\\') || within::is_odd(letter), "-");
         if name.trim_matches(['.', ' ']).is_empty() { stem.into_owned() } else { name }
     }
 

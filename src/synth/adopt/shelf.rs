@@ -12,6 +12,7 @@ use super::trial::Adopted;
 use crate::aside::{NewFile, NewFolder};
 use crate::job::{Job, Stage};
 use crate::synth::{Manifest, ModelError, ModelSource, ModelTag, Task};
+use crate::within;
 
 /// A folder of added depth nets.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -42,6 +43,8 @@ struct Preferred {
 const TAKEN: [&str; 5] = ["auto", "network", "phone", "fused", "map"];
 /// The file that names the preferred net.
 const PREFERRED: &str = "preferred.toml";
+/// The most that the file with its name may hold.
+const MOST_TEXT_BYTES: u64 = 64 << 10;
 /// Bytes that are copied between two looks at the cancel flag.
 const PIECE_BYTES: usize = 4 << 20;
 
@@ -85,9 +88,9 @@ impl Shelf {
 
     /// The net that is used where nothing else is asked.
     pub fn preferred(&self) -> Option<String> {
-        let text = fs::read_to_string(self.folder.join(PREFERRED)).ok()?;
+        let text = within::text(&self.folder.join(PREFERRED), MOST_TEXT_BYTES).ok()?;
         let Preferred { depth } = toml::from_str(&text).ok()?;
-        Some(depth).filter(|name| self.folder.join(name).is_dir())
+        Some(depth).filter(|name| within::is_plain_name(name) && self.folder.join(name).is_dir())
     }
 
     /// Uses a net where nothing else is asked; none is the program's own.
@@ -184,7 +187,7 @@ struct Copied {
 
 impl Copied {
     fn copy(&mut self, from: &Path, to: &Path, job: &Job) -> Result<(), AdoptError> {
-        let mut source = File::open(from).map_err(AdoptError::read(from))?;
+        let mut source = within::open(from).map_err(AdoptError::read(from))?;
         let mut target = File::create(to).map_err(AdoptError::write(to))?;
         let mut piece = vec![0; PIECE_BYTES];
         loop {
@@ -208,9 +211,7 @@ fn check_name(name: &str) -> Result<(), AdoptError> {
         "" => Some("it is empty"),
         _ if name.len() > 100 => Some("it is longer than 100 letters"),
         _ if name.starts_with(['.', '-']) => Some("it begins with a dot or a dash"),
-        _ if name.contains(['/', '\\', ':']) || name.chars().any(char::is_control) => {
-            Some("it is no plain folder name")
-        }
+        _ if !within::is_plain_name(name) => Some("it is no plain folder name"),
         _ if TAKEN.contains(&name) || is_ours() => Some("that is another source's name"),
         _ => None,
     };

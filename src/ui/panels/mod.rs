@@ -1,6 +1,7 @@
 //! What lies where: the picture takes all the room there is, its other faces lie in line with it.
 
 mod added;
+mod broke;
 mod canvas;
 mod depths;
 mod empty;
@@ -206,6 +207,7 @@ pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
         Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),
         Some(Dialog::Added(shown)) => added::show(shown, ctx),
         Some(Dialog::Many(files)) => many::show(files, ctx),
+        Some(Dialog::Broke(broke)) => broke::show(broke, ctx),
     }
 }
 

@@ -8,6 +8,7 @@ use heifer::heifer_isobmff::{HeifFile, ItemId};
 use super::apple::Scale;
 use super::spatial;
 use crate::field::RelativeDepth;
+use crate::io::apart::{self, Decoded, RgbaPixels, Task};
 use crate::io::file_type::FileType;
 use crate::io::formats;
 use crate::io::raster::heif::{Cicp, check_parts, is_heic, turn};
@@ -15,7 +16,7 @@ use crate::io::raster::{MAX_DECODED_BYTES, Raster, Samples, check_size, hdr};
 use crate::io::xmp::Xmp;
 use crate::io::{EmbeddedDepth, PhotoFile, Problem};
 
-const FORMAT: &str = "HEIC";
+pub(crate) const FORMAT: &str = "HEIC";
 /// HEIC photos.
 pub(crate) const TYPE: FileType = FileType {
     name: FORMAT,
@@ -45,10 +46,50 @@ fn problem(error: impl std::fmt::Display) -> Problem {
     if text.contains("unexpected end") { Problem::Truncated { format: FORMAT } } else { Problem::damaged(FORMAT, text) }
 }
 
-/// Decodes an item, if its size is bearable, of a file of this length.
-pub(super) fn decode_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<heifer::Image, Problem> {
-    check_item(file, file_bytes, id)?;
-    heifer::decode_item(file, id, 0).map_err(problem)
+/// Decodes a picture beside the main one, if its size is bearable: a size, pixels, and what white is.
+pub(super) fn decode_item(file: &HeifFile, bytes: &[u8], id: ItemId) -> Result<Other, Problem> {
+    check_item(file, bytes.len(), id)?;
+    let Decoded { size, pixels, told, .. } = apart::decode(Task::HeicItem(id), bytes)?;
+    match pixels.into_samples() {
+        Samples::Sixteen(pixels) => Ok(Other { size, pixels, white: f32::from(told[0]) }),
+        Samples::Eight(_) => Err(Problem::damaged(FORMAT, "a picture beside the main one is odd")),
+    }
+}
+
+/// A picture beside the main one.
+pub(super) struct Other {
+    pub(super) size: [u32; 2],
+    pub(super) pixels: Vec<[u16; 4]>,
+    /// The largest value.
+    pub(super) white: f32,
+}
+
+/// The decoder's part of [`decode_item`].
+pub(crate) fn decode_other(bytes: &[u8], id: ItemId) -> Result<Decoded, Problem> {
+    let file = HeifFile::parse(bytes).map_err(problem)?;
+    check_item(&file, bytes.len(), id)?;
+    let image = heifer::decode_item(&file, id, 0).map_err(problem)?;
+    let told = [image.max_value(), 0, 0, 0];
+    let pixels = RgbaPixels::Samples(Samples::Sixteen(image.data.as_chunks().0.to_vec()));
+    Ok(Decoded { size: [image.width, image.height], pixels, has_alpha: image.has_alpha, told })
+}
+
+/// The decoder's part of a photo: its pixels, turned.
+pub(crate) fn decode_pixels(bytes: &[u8]) -> Result<Decoded, Problem> {
+    let file = HeifFile::parse(bytes).map_err(problem)?;
+    check_item(&file, bytes.len(), file.primary_id)?;
+    let options = heifer::Options { max_threads: 0, max_pixels: MAX_PIXELS };
+    let (size, has_alpha, pixels) = if bits(&file, file.primary_id) <= 8 {
+        let image = heifer::decode_rgba8(bytes, &options).map_err(problem)?;
+        ([image.width, image.height], image.has_alpha, RgbaPixels::Bytes(image.data))
+    } else {
+        let image = heifer::decode_with_options(bytes, &options).map_err(problem)?;
+        let max = u32::from(image.max_value());
+        let widen = |value: u16| ((u32::from(value) * 65_535 + max / 2) / max) as u16;
+        let pixels = image.data.as_chunks().0.iter().map(|px| px.map(widen)).collect();
+        ([image.width, image.height], image.has_alpha, RgbaPixels::Samples(Samples::Sixteen(pixels)))
+    };
+    Ok(Decoded { size, pixels, has_alpha, told: [0; 4] })
 }
 
 /// Most pixels of one picture: 16 bits a channel fit into memory then.
@@ -65,17 +106,8 @@ fn check_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<(), Prob
 fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
     let id = file.primary_id;
     check_item(file, bytes.len(), id)?;
-    let options = heifer::Options { max_threads: 0, max_pixels: MAX_PIXELS };
-    let (size, has_alpha, samples) = if bits(file, id) <= 8 {
-        let image = heifer::decode_rgba8(bytes, &options).map_err(problem)?;
-        ([image.width, image.height], image.has_alpha, Samples::Eight(image.data.as_chunks().0.to_vec()))
-    } else {
-        let image = heifer::decode_with_options(bytes, &options).map_err(problem)?;
-        let max = u32::from(image.max_value());
-        let widen = |value: u16| ((u32::from(value) * 65_535 + max / 2) / max) as u16;
-        let pixels = image.data.as_chunks().0.iter().map(|px| px.map(widen)).collect();
-        ([image.width, image.height], image.has_alpha, Samples::Sixteen(pixels))
-    };
+    let Decoded { size, pixels, has_alpha, .. } = apart::decode(Task::Heic, bytes)?;
+    let samples = pixels.into_samples();
     let metadata = heifer::item_metadata(file, id).unwrap_or_default();
     let cicp = Cicp::of(file, id);
     let (samples, was_hdr) = match cicp.filter(|_| metadata.icc_profile.is_none()) {
@@ -109,14 +141,13 @@ pub(crate) fn read_depth(file: &HeifFile, bytes: &[u8]) -> Option<Result<Embedde
         file.item_properties(id).is_ok_and(|mut properties| properties.any(urn))
     };
     let id = file.items.iter().map(|item| item.id).find(|&id| is_depth(id))?;
-    Some(decode_depth(file, bytes.len(), id).map_err(|problem| problem.to_string()))
+    Some(decode_depth(file, bytes, id).map_err(|problem| problem.to_string()))
 }
 
-fn decode_depth(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<EmbeddedDepth, Problem> {
-    let image = decode_item(file, file_bytes, id)?;
-    let max = f32::from(image.max_value());
-    let values = image.data.chunks_exact(4).map(|px| f32::from(px[0]) / max).collect();
-    let map = RelativeDepth::new([image.width, image.height], values)?;
+fn decode_depth(file: &HeifFile, bytes: &[u8], id: ItemId) -> Result<EmbeddedDepth, Problem> {
+    let image = decode_item(file, bytes, id)?;
+    let values = image.pixels.iter().map(|px| f32::from(px[0]) / image.white).collect();
+    let map = RelativeDepth::new(image.size, values)?;
     let packet = file.xmp(id).ok().flatten().unwrap_or_default();
     let xmp = Xmp::parse(&packet).unwrap_or_default();
     let depth = Scale::from_xmp(&xmp).apply(map);

@@ -21,18 +21,17 @@ pub(super) fn stereo_pair(bytes: &[u8]) -> Option<[ItemId; 2]> {
 
 /// Depth of the main photo from the pair, if there is one.
 pub(crate) fn read(file: &HeifFile, bytes: &[u8]) -> Option<Result<EmbeddedDepth, String>> {
-    stereo_pair(bytes).map(|pair| depth(file, bytes.len(), pair))
+    stereo_pair(bytes).map(|pair| depth(file, bytes, pair))
 }
 
-fn depth(file: &HeifFile, file_bytes: usize, [left, right]: [ItemId; 2]) -> Result<EmbeddedDepth, String> {
+fn depth(file: &HeifFile, bytes: &[u8], [left, right]: [ItemId; 2]) -> Result<EmbeddedDepth, String> {
     let primary = file.primary_id;
     let other = if primary == right { left } else { right };
     let gray = |id| {
-        let image = decode_item(file, file_bytes, id).map_err(|problem| problem.to_string())?;
-        let max = f32::from(image.max_value());
-        let luma = |px: &[u16]| (0.3 * f32::from(px[0]) + 0.6 * f32::from(px[1]) + 0.1 * f32::from(px[2])) / max;
-        Raster::new([image.width, image.height], image.data.chunks_exact(4).map(luma).collect())
-            .map_err(|error| error.to_string())
+        let image = decode_item(file, bytes, id).map_err(|problem| problem.to_string())?;
+        let [red, green, blue] = [0.3, 0.6, 0.1].map(|share| share / image.white);
+        let luma = |px: &[u16; 4]| red * f32::from(px[0]) + green * f32::from(px[1]) + blue * f32::from(px[2]);
+        Raster::new(image.size, image.pixels.iter().map(luma).collect()).map_err(|error| error.to_string())
     };
     let (from, to) = (gray(primary)?, gray(other)?);
     // Seen from the right eye, near things have moved to the left.

@@ -17,10 +17,11 @@ use super::heif::{self, Cicp};
 use super::{Channel, Raster, Samples, check_size, color, hdr};
 use crate::field::sides;
 use crate::io::Problem;
+use crate::io::apart::{self, Decoded, RgbaPixels, Task};
 use crate::io::file_type::{FileType, Pixels};
 use coded::Coded;
 
-const FORMAT: &str = "AVIF";
+pub(crate) const FORMAT: &str = "AVIF";
 /// AVIF pictures.
 pub(crate) const TYPE: FileType = FileType {
     name: FORMAT,
@@ -63,16 +64,14 @@ fn header_size(bytes: &[u8]) -> Result<[u32; 2], Problem> {
 fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
     let file = parse(bytes)?;
     let id = file.primary_id;
-    let tiling = Tiling::of(&file, id, bytes.len())?;
-    let alpha = alpha_item(&file, id).map(|alpha| Tiling::of(&file, alpha, bytes.len())).transpose()?;
-    let is_deep = tiling.is_deep(&file) || alpha.as_ref().is_some_and(|alpha| alpha.is_deep(&file));
-    let (mut samples, cicp) = if is_deep {
-        let (pixels, cicp) = pixels(&file, &tiling, alpha.as_ref())?;
-        (Samples::Sixteen(pixels), cicp)
-    } else {
-        let (pixels, cicp) = pixels(&file, &tiling, alpha.as_ref())?;
-        (Samples::Eight(pixels), cicp)
-    };
+    // What cannot be a picture need not be tried.
+    let whole = Tiling::of(&file, id, bytes.len())?.size;
+    let Decoded { size, pixels, has_alpha, told } = apart::decode(Task::Avif, bytes)?;
+    if size != whole {
+        return Err(Problem::damaged(FORMAT, "its picture has another size than its header says"));
+    }
+    let cicp = Cicp { primaries: told[0], transfer: told[1], matrix: told[2], full_range: told[3] != 0 };
+    let mut samples = pixels.into_samples();
     let mut warnings = Vec::new();
     let icc = file.icc_profile(id).ok().flatten().filter(|icc| color::is_rgb(icc)).map(<[u8]>::to_vec);
     if icc.is_none() {
@@ -80,14 +79,14 @@ fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
         samples = sdr;
         warnings.extend(changed.then(|| hdr::WARNING.to_owned()));
     }
-    let (size, samples) = match heif::clean_aperture(&file, id, tiling.size) {
-        Some(part) => (part.size, part.cut(samples, tiling.size)),
-        None => (tiling.size, samples),
+    let (size, samples) = match heif::clean_aperture(&file, id, whole) {
+        Some(part) => (part.size, part.cut(samples, whole)),
+        None => (whole, samples),
     };
     Ok(Raster {
         size,
         samples,
-        has_alpha: alpha.is_some(),
+        has_alpha,
         icc: icc.or_else(|| cicp.profile()),
         // Broken extras do not make a picture unreadable.
         exif: file.exif(id).ok().flatten(),
@@ -96,6 +95,23 @@ fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
         orientation: heif::turn(&file, id),
         warnings,
     })
+}
+
+/// The decoder's part of it: all pixels, and the colours that they are told in by number.
+pub(crate) fn decode_pixels(bytes: &[u8]) -> Result<Decoded, Problem> {
+    let file = parse(bytes)?;
+    let tiling = Tiling::of(&file, file.primary_id, bytes.len())?;
+    let alpha = alpha_item(&file, file.primary_id).map(|alpha| Tiling::of(&file, alpha, bytes.len())).transpose()?;
+    let is_deep = tiling.is_deep(&file) || alpha.as_ref().is_some_and(|alpha| alpha.is_deep(&file));
+    let (samples, cicp) = if is_deep {
+        let (pixels, cicp) = pixels(&file, &tiling, alpha.as_ref())?;
+        (Samples::Sixteen(pixels), cicp)
+    } else {
+        let (pixels, cicp) = pixels(&file, &tiling, alpha.as_ref())?;
+        (Samples::Eight(pixels), cicp)
+    };
+    let told = [cicp.primaries, cicp.transfer, cicp.matrix, u16::from(cicp.full_range)];
+    Ok(Decoded { size: tiling.size, pixels: RgbaPixels::Samples(samples), has_alpha: alpha.is_some(), told })
 }
 
 /// Pictures of one size that are laid out row by row; one for a picture that is not a grid.
