@@ -428,7 +428,7 @@ pub struct Export {
     pub kind: Kind,
     #[command(flatten)]
     pub lens: LensArgs,
-    /// Size of the frames of focal-stack and animation: photo, light-field, or WxH to fit into
+    /// Size of the frames of focal-stack and animation, and of html: photo, light-field, or WxH to fit into
     #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
     pub size: Option<OutputSize>,
     /// Frames of focal-stack and animation

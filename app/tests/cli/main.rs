@@ -12,6 +12,7 @@ mod faults;
 #[cfg(unix)]
 mod guests;
 mod light_field;
+mod living;
 mod nets;
 #[path = "../../../tests/common/nets.rs"]
 mod small_nets;

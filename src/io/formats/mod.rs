@@ -7,6 +7,7 @@ pub mod gaussians;
 mod grid_names;
 pub mod hci;
 pub mod layout;
+pub mod living;
 pub mod lytro;
 mod matching;
 mod middlebury;
@@ -108,7 +109,7 @@ pub struct Entry {
 
 /// Who reads and writes what: [`open`](fn@super::open) walks it from the top, so what is told by more stands higher. The
 /// README's table has the same lines; a test compares them.
-pub static TABLE: [Entry; 21] = [
+pub static TABLE: [Entry; 22] = [
     made("refocus", "photo: JPEG, PNG, TIFF, WebP", "save", "jpg").read(Reader::Files(&[
         jpeg::TYPE,
         still::PNG,
@@ -155,6 +156,7 @@ pub static TABLE: [Entry; 21] = [
         .read(Reader::Files(&[gaussians::TYPE])),
     made("side-by-side", "side-by-side stereo", "stereo", "png"),
     made("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),
+    made("html", "living picture (HTML)", "living", "html"),
     made("ply", "PLY point cloud", "ply", "ply"),
 ];
 

@@ -63,6 +63,7 @@ fn write(id: &str, dir: &Path, source: &FieldToWrite, job: &Job) -> PathBuf {
         "side-by-side" => stereo::write_side_by_side(&path, &left, &right),
         "anaglyph" => stereo::write_anaglyph(&path, &left, &right),
         "ply" => ply::write(&path, source),
+        "html" => living::write(&path, &living::tests::living("rose")),
         other => panic!("the table has {other}, and no test writes it"),
     }
     .unwrap();

@@ -46,6 +46,11 @@ impl Behind {
         Self { cells, is_empty }
     }
 
+    /// All cells.
+    pub(super) fn raster(&self) -> &Raster<background::Hidden> {
+        &self.cells
+    }
+
     /// Reads rows of a picture of `size` from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
         Reader { behind: self, x: Axis::new(x0, count, size[0], self.cells.size()[0]), size }

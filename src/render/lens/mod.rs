@@ -16,6 +16,7 @@ mod behind;
 mod gpu;
 mod grain;
 pub mod kernel;
+mod layers;
 mod light;
 mod peaking;
 mod pixel;
@@ -48,6 +49,7 @@ use tile::Optics;
 pub use behind::Revealed;
 #[cfg(feature = "ui")]
 pub use gpu::LensGpu;
+pub use layers::{Hidden, Layers};
 pub use light::Space;
 pub use peaking::peaking;
 pub use reveal::revealed;

@@ -12,6 +12,7 @@ pub enum Kind {
     Picture,
     FocalStack,
     Animation,
+    Living,
     SideBySide,
     Anaglyph,
     Views,
@@ -63,7 +64,7 @@ pub struct Spec {
 }
 
 /// All kinds, in the order of the dialog.
-pub const KINDS: [Spec; 15] = [
+pub const KINDS: [Spec; 16] = [
     made_of_map(
         Kind::Picture,
         "picture",
@@ -87,6 +88,14 @@ pub const KINDS: [Spec; 15] = [
         "A focus pull, an opening lens, or a turn of the viewpoint",
         Group::Pictures,
         "",
+    ),
+    made_of_map(
+        Kind::Living,
+        "html",
+        "Living picture",
+        "One HTML file to focus and to look round in, in any browser, without a connection",
+        Group::Pictures,
+        "{name}.html",
     ),
     made_of_views(
         Kind::SideBySide,

@@ -1,6 +1,7 @@
 //! Saving what is seen, and all else that a light field can become: what is asked for, where it goes, and writing it.
 
 mod kinds;
+mod living;
 mod write;
 
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Existing, Kind, Settings};
+use super::{Existing, Kind, Settings, living};
 use crate::field::{DisparityMap, Pixels};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::depth_out::Seen;
@@ -83,6 +83,7 @@ pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job
             };
             series::animation(scene, edit, settings.movement, settings.size(), target, &options, job)
         }
+        Kind::Living => living::write(scene, edit, settings, target, job),
         Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth => depth(scene, settings.kind, target, job),
         _ => of_views(scene, settings, target, job),
     }

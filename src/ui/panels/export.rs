@@ -111,6 +111,7 @@ fn rows(ui: &mut Ui, export: &mut Export) {
             size_row(ui, settings, open);
             format_rows(ui, settings);
         }
+        Kind::Living => size_row(ui, settings, open),
         Kind::FocalStack => {
             frames_row(ui, settings, false);
             size_row(ui, settings, open);

@@ -1,0 +1,320 @@
+// The scene through a lens, by WebGL2: the view from beside, its pieces, their slices, each spread and put behind the nearer ones.
+const HEAD = `#version 300 es
+precision highp float; precision highp int; precision highp sampler2D;
+`;
+const CORNERS = HEAD + `
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
+
+// Along the line on which the points of a pixel's ray lie, the first surface from the near side is what the eye sees.
+const VIEW = HEAD + `
+uniform sampler2D colors, depths, behindColors, behindDepths;
+uniform vec2 size, shift, range;
+uniform float coarse;
+layout(location = 0) out vec4 seen;
+layout(location = 1) out vec4 sides;
+layout(location = 2) out vec4 hidden;
+layout(location = 3) out vec4 hiddenAt;
+vec3 sidesAt(vec2 uv) {
+  ivec2 full = textureSize(depths, 0);
+  return texelFetch(depths, clamp(ivec2(uv * vec2(full)), ivec2(0), full - 1), 0).rgb;
+}
+float surface(vec2 uv) {
+  vec3 s = sidesAt(uv);
+  return mix(range.x, range.y, s.b < 0.5 ? s.r : s.r - s.g);
+}
+// Colour, share; disparity and distance from the edge.
+void behind(vec2 uv, out vec4 light, out vec2 at) {
+  vec2 full = vec2(textureSize(behindDepths, 0)), place = uv * full - 0.5, t = fract(place);
+  ivec2 first = ivec2(floor(place)), last = ivec2(full) - 1;
+  light = vec4(0.0); at = vec2(0.0);
+  for (int i = 0; i < 4; i++) {
+    ivec2 step_ = ivec2(i & 1, i >> 1), cell = clamp(first + step_, ivec2(0), last);
+    vec2 w = mix(1.0 - t, t, vec2(step_));
+    vec3 known = texelFetch(behindDepths, cell, 0).rgb;
+    float share = w.x * w.y * known.g;
+    light += vec4(texelFetch(behindColors, cell, 0).rgb, 1.0) * share;
+    at += vec2(known.r * share, known.b * w.x * w.y);
+  }
+  light.rgb /= max(light.a, 1e-4); at.x /= max(light.a, 1e-4);
+}
+void main() {
+  vec2 uv = gl_FragCoord.xy / size, at = uv;
+  vec3 s = sidesAt(uv);
+  vec4 back; vec2 backAt;
+  float moved = length(shift * size);
+  if (moved > 0.0) {
+    float steps = max(ceil((range.y - range.x) * moved / 0.7), 1.0), step_ = (range.y - range.x) / steps;
+    float before = range.y, ray = range.y;
+    at = uv + shift * range.x;
+    bool bared = false;
+    float found = range.x;
+    for (float i = 0.0; i <= steps; i++) {
+      ray = range.y - step_ * i;
+      vec2 place = uv + shift * ray;
+      float d = surface(place);
+      if (d < ray) { before = ray; continue; }
+      if (d - ray > 0.06 + step_) {
+        behind(place, back, backAt);
+        float far = mix(range.x, range.y, backAt.x);
+        if (back.a > 0.5 && far + step_ >= ray) { bared = true; at = place; found = far; break; }
+        continue;
+      }
+      for (int n = 0; n < 4; n++) {
+        float middle = (before + ray) / 2.0;
+        if (surface(uv + shift * middle) < middle) before = middle; else ray = middle;
+      }
+      found = (before + ray) / 2.0;
+      at = uv + shift * found;
+      break;
+    }
+    seen = bared ? vec4(back.rgb, 1.0) : vec4(textureLod(colors, at, coarse).rgb, 1.0);
+    sides = vec4((found - range.x) / max(range.y - range.x, 1e-9), 0.0, 0.0, 1.0);
+  } else {
+    seen = vec4(textureLod(colors, uv, coarse).rgb, 1.0);
+    sides = vec4(s, 1.0);
+  }
+  behind(at, back, backAt);
+  hidden = back;
+  hiddenAt = vec4(backAt, 0.0, 1.0);
+}`;
+
+// Light of each pixel, from its near side and from what goes on behind that: premultiplied, with the slice it lies in.
+const PIECES = HEAD + `
+uniform sampler2D seen, sides, hidden, hiddenAt;
+uniform vec2 size, range, keepSharp;
+uniform vec3 focus;
+uniform float gain, curve, highlights, cells;
+layout(location = 0) out vec4 near;
+layout(location = 1) out vec4 far;
+layout(location = 2) out vec4 slices;
+float ramp(float a, float b, float v) { return smoothstep(a, b, v); }
+float blurOf(float share) {
+  vec2 place = gl_FragCoord.xy / size - 0.5;
+  float away = mix(range.x, range.y, share) - focus.x - dot(focus.yz, place) - curve * dot(place, place) / 0.5;
+  return gain * (away - clamp(away, keepSharp.x, keepSharp.y));
+}
+float sliceOf(float blur) {
+  float b = abs(blur), at = b <= 2.0 ? b : 2.0 + log(b / 2.0) / log(1.3);
+  return blur < 0.0 ? -at : at;
+}
+vec3 recovered(vec3 rgb, float blur) {
+  float clipped = ramp(0.85, 1.0, max(rgb.r, max(rgb.g, rgb.b)));
+  return rgb * (1.0 + 9.0 * highlights * clipped * ramp(1.0, 8.0, abs(blur)));
+}
+void put(vec4 n, float nBlur, vec4 f, float fBlur) {
+  near = n; far = f; slices = vec4(sliceOf(nBlur), sliceOf(fBlur), 0.0, 1.0);
+}
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec3 color = texelFetch(seen, at, 0).rgb, s = texelFetch(sides, at, 0).rgb;
+  vec4 back = texelFetch(hidden, at, 0);
+  vec2 backAt = texelFetch(hiddenAt, at, 0).rg;
+  float cover = 1.0 - s.b, share = back.a;
+  bool known = share > 0.02;
+  float farOwn = blurOf(s.r - s.g);
+  if (cover <= 0.01) { put(vec4(recovered(color, farOwn), 1.0), farOwn, vec4(0.0), 0.0); return; }
+  float n = blurOf(s.r);
+  bool mixed = cover < 0.99;
+  float f = mixed ? farOwn : blurOf(backAt.x);
+  float apart = ramp(0.4, 1.2, sliceOf(n) - sliceOf(f));
+  bool alone = apart <= 0.0 && (!mixed || max(abs(n), abs(f)) < 0.3 || !known);
+  if (alone || (!mixed && !known)) { put(vec4(recovered(color, n), 1.0), n, vec4(0.0), 0.0); return; }
+  if (!mixed) {
+    float reach = max(abs(n), abs(f)) / 2.0 + 1.5, distance_ = (backAt.y * 255.0 - 1.0) * cells;
+    float part = share * apart * (1.0 - ramp(reach, 1.5 * reach + 4.0, distance_));
+    put(vec4(recovered(color, n), 1.0), n, vec4(recovered(back.rgb, f) * part, part), f);
+    return;
+  }
+  float sure = known ? share * apart : 0.0;
+  vec3 rgb = known ? back.rgb : vec3(0.0), part = (color + 0.004) / (rgb + 0.004);
+  cover = max(cover, sure * max(1.0 - 1.5 * min(part.r, min(part.g, part.b)), 0.0));
+  vec3 unmixed = clamp(color - (1.0 - cover) * rgb, vec3(0.0), min(vec3(cover), color));
+  vec3 own = cover * color + (unmixed - cover * color) * sure;
+  put(vec4(own, cover), n, vec4(color - own + cover * sure * rgb, 1.0 - cover + cover * sure), f);
+}`;
+
+const SLICE = HEAD + `
+uniform sampler2D near, far, slices;
+uniform float slice, pitch;
+out vec4 light;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec2 share = clamp(1.0 - abs(texelFetch(slices, at, 0).rg - slice) / pitch, 0.0, 1.0);
+  light = vec4(0.0);
+  if (share.x > 0.0) light += share.x * texelFetch(near, at, 0);
+  if (share.y > 0.0) light += share.y * texelFetch(far, at, 0);
+}`;
+
+// A slice through the round lens, on a coarser level where it is spread widely, put behind what is nearer.
+const SPREAD = HEAD + `
+uniform sampler2D light, front;
+uniform vec2 size;
+uniform float radius, level, empty;
+out vec4 result;
+void main() {
+  vec4 before = texelFetch(front, ivec2(gl_FragCoord.xy), 0), sum = vec4(0.0);
+  vec2 uv = gl_FragCoord.xy / size;
+  result = before;
+  if (before.a <= 0.0 || textureLod(light, uv, empty).a <= 0.0) return;
+  if (radius <= 0.0) {
+    sum = texelFetch(light, ivec2(gl_FragCoord.xy), 0);
+  } else {
+    float whole = 0.0, reach = ceil(radius), cell = exp2(level);
+    for (float y = -reach; y <= reach; y++) for (float x = -reach; x <= reach; x++) {
+      float w = clamp(radius + 0.5 - length(vec2(x, y)), 0.0, 1.0);
+      if (w <= 0.0) continue;
+      whole += w;
+      sum += w * textureLod(light, uv + vec2(x, y) * cell / size, level);
+    }
+    sum /= whole;
+  }
+  if (sum.a <= 1e-5) return;
+  float closed = sum.a < 0.8 ? sum.a : min(sum.a + 0.015 * min((sum.a - 0.8) * 10.0, 1.0), 1.0);
+  float share = min(closed, before.a);
+  result = before + vec4(max(sum.rgb, 0.0) * share / sum.a, -share);
+}`;
+
+const SHOW = HEAD + `
+uniform sampler2D front;
+uniform vec2 size;
+uniform float isLight;
+out vec4 shown;
+void main() {
+  vec2 uv = gl_FragCoord.xy / size;
+  vec4 p = textureLod(front, vec2(uv.x, 1.0 - uv.y), 0.0);
+  vec3 c = isLight > 0.5 ? p.rgb : p.rgb / max(1.0 - p.a, 1e-4);
+  c = clamp(c, 0.0, 1.0);
+  shown = vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)), 1.0);
+}`;
+
+function renderer(canvas, images, scene) {
+  const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
+  if (!gl) return null;
+  if (!gl.getExtension("EXT_color_buffer_float") && !gl.getExtension("EXT_color_buffer_half_float")) return null;
+  const LIGHT = gl.RGBA16F;
+  const compiled = (fragment) => {
+    const program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, CORNERS], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) || "shader");
+    return { program, at: (name) => gl.getUniformLocation(program, name) };
+  };
+  const [view, pieces, slice, spread, show] = [VIEW, PIECES, SLICE, SPREAD, SHOW].map(compiled);
+  const texture = (filter) => {
+    const made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter === gl.NEAREST ? gl.NEAREST : gl.LINEAR);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+    return made;
+  };
+  gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+  gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+  const loaded = (image, format, filter) => {
+    const made = texture(filter);
+    gl.texImage2D(gl.TEXTURE_2D, 0, format, gl.RGBA, gl.UNSIGNED_BYTE, image);
+    if (filter === gl.LINEAR_MIPMAP_LINEAR) gl.generateMipmap(gl.TEXTURE_2D);
+    return made;
+  };
+  const source = [
+    loaded(images.colors, gl.SRGB8_ALPHA8, gl.LINEAR_MIPMAP_LINEAR), loaded(images.depths, gl.RGBA8, gl.NEAREST),
+    loaded(images.behindColors, gl.SRGB8_ALPHA8, gl.NEAREST), loaded(images.behindDepths, gl.RGBA8, gl.NEAREST),
+  ];
+  gl.bindVertexArray(gl.createVertexArray());
+  const target = (size, formats) => {
+    const textures = formats.map(([format, filter]) => {
+      const made = texture(filter);
+      const levels = filter === gl.LINEAR_MIPMAP_LINEAR ? Math.floor(Math.log2(Math.max(...size))) + 1 : 1;
+      gl.texStorage2D(gl.TEXTURE_2D, levels, format, size[0], size[1]);
+      return made;
+    });
+    const frame = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    textures.forEach((made, i) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, made, 0));
+    gl.drawBuffers(textures.map((_, i) => gl.COLOR_ATTACHMENT0 + i));
+    return { frame, textures, size };
+  };
+  const dropped = (made) => { made.textures.forEach((t) => gl.deleteTexture(t)); gl.deleteFramebuffer(made.frame); };
+  // The targets of two sizes at most: at rest, and while something moves.
+  const kept = new Map();
+  const targets = (size) => {
+    const key = size.join();
+    if (!kept.has(key)) {
+      if (kept.size > 1) { const [old] = kept.keys(); Object.values(kept.get(old)).forEach(dropped); kept.delete(old); }
+      const plain = (format, count) => Array(count).fill([format, gl.NEAREST]);
+      kept.set(key, {
+        view: target(size, [[gl.SRGB8_ALPHA8, gl.LINEAR], ...plain(gl.RGBA8, 1), ...plain(gl.SRGB8_ALPHA8, 1), ...plain(gl.RGBA8, 1)]),
+        pieces: target(size, plain(LIGHT, 3)),
+        slice: target(size, [[LIGHT, gl.LINEAR_MIPMAP_LINEAR]]),
+        front: target(size, [[LIGHT, gl.LINEAR]]), other: target(size, [[LIGHT, gl.LINEAR]]),
+      });
+    }
+    return kept.get(key);
+  };
+  const draw = (what, to, inputs, values) => {
+    gl.bindFramebuffer(gl.FRAMEBUFFER, to ? to.frame : null);
+    const size = to ? to.size : [canvas.width, canvas.height];
+    gl.viewport(0, 0, size[0], size[1]);
+    gl.useProgram(what.program);
+    inputs.forEach(([name, made], i) => {
+      gl.activeTexture(gl.TEXTURE0 + i);
+      gl.bindTexture(gl.TEXTURE_2D, made);
+      gl.uniform1i(what.at(name), i);
+    });
+    for (const [name, value] of Object.entries({ size, ...values })) {
+      const at = what.at(name);
+      if (typeof value === "number") gl.uniform1f(at, value);
+      else if (value.length === 2) gl.uniform2fv(at, value);
+      else gl.uniform3fv(at, value);
+    }
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  };
+  const sliceOf = (blur) => Math.sign(blur) * (Math.abs(blur) <= 2 ? Math.abs(blur) : 2 + Math.log(Math.abs(blur) / 2) / Math.log(1.3));
+  const diameterAt = (at) => (Math.abs(at) <= 2 ? Math.abs(at) : 2 * 1.3 ** (Math.abs(at) - 2));
+  const named = (names, made) => names.map((name, i) => [name, made[i]]);
+
+  // `lens`: fNumber, focus, eye. `part` of the canvas's pixels; `pitch` between slices; `across`: cells of the widest discs.
+  return (lens, part, pitch, across) => {
+    const full = scene.size, size = [canvas.width, canvas.height].map((side, a) => Math.max(16, Math.round(Math.min(side, full[a]) * part)));
+    const to = targets(size);
+    const range = scene.range, scale = scene.scale * size[0] / full[0];
+    const shift = [lens.eye[0] * scale / size[0], lens.eye[1] * scale / size[1]];
+    draw(view, to.view, named(["colors", "depths", "behindColors", "behindDepths"], source), { shift, range, coarse: Math.max(0, Math.log2(full[0] / size[0])) });
+    const views = Math.sqrt(Math.max((28 / lens.fNumber) ** 2 - 1, 0)), gain = views * scale;
+    if (gain === 0) {
+      draw(show, null, [["front", to.view.textures[0]]], { isLight: 1 });
+      return;
+    }
+    const focus = [lens.focus, ...scene.tilt];
+    draw(pieces, to.pieces, named(["seen", "sides", "hidden", "hiddenAt"], to.view.textures), {
+      range, focus, gain, keepSharp: scene.keepSharp, curve: scene.curve, highlights: scene.highlights,
+      cells: size[0] / scene.behindSize[0],
+    });
+    const far = [-0.5, 0.5].flatMap((x) => [-0.5, 0.5].map((y) => scene.tilt[0] * x + scene.tilt[1] * y));
+    const ends = far.flatMap((t) => [0, scene.curve].flatMap((c) => range.map((d) => gain * (d - lens.focus - t - c))));
+    const [first, last] = [Math.floor(sliceOf(Math.min(...ends, 0)) / pitch), Math.ceil(sliceOf(Math.max(...ends, 0)) / pitch)];
+    let [front, other] = [to.front, to.other];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, front.frame);
+    gl.clearColor(0, 0, 0, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    for (let i = last; i >= first; i--) {
+      const diameter = diameterAt(i * pitch);
+      draw(slice, to.slice, named(["near", "far", "slices"], to.pieces.textures), { slice: i * pitch, pitch });
+      gl.bindTexture(gl.TEXTURE_2D, to.slice.textures[0]);
+      gl.generateMipmap(gl.TEXTURE_2D);
+      const level = Math.max(0, Math.ceil(Math.log2(diameter / across))), cell = 2 ** level;
+      const own = Math.sqrt(Math.max(diameter ** 2 - 4 * (cell * cell - 1), 0)) / cell;
+      draw(spread, other, [["light", to.slice.textures[0]], ["front", front.textures[0]]], {
+        radius: diameter < 0.3 ? 0 : own / 2, level, empty: Math.ceil(Math.log2(Math.max(diameter, 1))),
+      });
+      [front, other] = [other, front];
+    }
+    draw(show, null, [["front", front.textures[0]]], { isLight: 0 });
+  };
+}
