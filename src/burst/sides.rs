@@ -10,16 +10,16 @@ use super::sweep::{Frame, Measured};
 use crate::field::{View, sides};
 
 /// Two points lie apart when a frame moves them apart by so many pixels.
-const APART_PX: f64 = 2.0;
+const APART_PX: f64 = 1.2;
 /// Inverse depths of one surface differ by less than this part of the range over some pixels.
 const SAME_SURFACE: f32 = 0.06;
 /// Differences of colour (sum of three channels, 0 … 255) from which on one explains a pixel and the other does not.
 const EXPLAINS: i32 = 40;
 /// Votes that tell something, and how many times more there must be on one side.
-const FEWEST: u32 = 40;
+const FEWEST: u32 = 25;
 const MAJORITY: u32 = 2;
-/// Pixels beside an edge that may belong to its other side.
-const BESIDE: usize = 3;
+/// Pixels beside an edge that may belong to its other side: one in so many of the long side.
+const BESIDE: usize = 180;
 
 /// Whether near and far are to be exchanged; none where too little is hidden to tell.
 pub fn is_inside_out(reference: &View, measured: &Measured, frames: &[Frame], focal: Focal) -> Option<bool> {
@@ -34,14 +34,15 @@ pub fn is_inside_out(reference: &View, measured: &Measured, frames: &[Frame], fo
 fn voters(measured: &Measured) -> Vec<bool> {
     let (rho, [w, h]) = (&measured.inverse_depth, measured.inverse_depth.sides());
     let [low, high] = rho.pixels().iter().fold([f32::MAX, f32::MIN], |[a, b], v| [a.min(*v), b.max(*v)]);
+    let reach = (w.max(h) / BESIDE).max(1);
     let of = |i: usize| {
         let (x, y) = (i % w, i / w);
         let own = rho.at(x, y);
         let beside = [
-            (x.saturating_sub(BESIDE), y),
-            ((x + BESIDE).min(w - 1), y),
-            (x, y.saturating_sub(BESIDE)),
-            (x, (y + BESIDE).min(h - 1)),
+            (x.saturating_sub(reach), y),
+            ((x + reach).min(w - 1), y),
+            (x, y.saturating_sub(reach)),
+            (x, (y + reach).min(h - 1)),
         ];
         let is_even = beside.iter().all(|(x, y)| (rho.at(*x, *y) - own).abs() < SAME_SURFACE * (high - low));
         is_even && measured.certain.at(x, y) > 0.5

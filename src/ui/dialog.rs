@@ -23,7 +23,7 @@ pub enum Dialog {
     Broke(Box<Broke>),
     /// A depth net was added.
     Added(Box<Shown>),
-    /// Several files were dropped: open the first, or export them all.
+    /// Several files were dropped: one subject, open the first, or export them all.
     Many(Vec<PathBuf>),
 }
 

@@ -1,12 +1,12 @@
 //! A file that was read, and the edit that lies beside it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::errors::sentence;
 use crate::io;
 use crate::job::Job;
-use crate::scene::{DepthFrom, Found, Recipe, Subject};
+use crate::scene::{DepthFrom, Found, Recipe, SeveralAsked, Subject};
 
 /// What was read.
 #[derive(Clone, Debug)]
@@ -43,8 +43,23 @@ impl Document {
     /// Reads a file, and the edit that lies beside it.
     pub fn read(path: &Path, job: &Job) -> Result<Self, String> {
         let opened = io::open(path, job).map_err(|error| sentence(&error))?;
-        let mut warnings = opened.info().warnings.clone();
-        let subject = Arc::new(Subject::from_opened(opened, path));
+        let warnings = opened.info().warnings.clone();
+        Ok(Self::with_sidecar(Subject::from_opened(opened, path), path, warnings))
+    }
+
+    /// Reads photos of one subject, and the edit that lies beside the first of them.
+    pub fn read_several(paths: &[PathBuf], job: &Job) -> Result<Self, String> {
+        let subject = Subject::open_several(paths, SeveralAsked::default(), job).map_err(|error| sentence(&error))?;
+        let Some(path) = subject.path.clone() else { return Ok(subject.into()) };
+        let mut document = Self::with_sidecar(subject, &path, Vec::new());
+        // The edit may be of the first photo alone; now they are looked at together.
+        if let Sidecar::Read(recipe) = &mut document.sidecar {
+            recipe.depth = Some(DepthFrom::Auto);
+        }
+        Ok(document)
+    }
+
+    fn with_sidecar(subject: Subject, path: &Path, mut warnings: Vec<String>) -> Self {
         let has_edit = subject.photo().is_some();
         let (recipe, found) = if has_edit { Recipe::found_beside(path) } else { (Ok(None), Found::default()) };
         let sidecar = match recipe {
@@ -54,7 +69,7 @@ impl Document {
                 Sidecar::Unreadable
             }
         };
-        Ok(Self { subject, sidecar, found, warnings })
+        Self { subject: Arc::new(subject), sidecar, found, warnings }
     }
 
     /// Where its depth comes from, as the edit beside it says.

@@ -16,13 +16,15 @@ use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::field::{Photo, RayDepths, View, ViewIndex};
 use crate::job::{Cancel, Job, Progress, Sink};
-use crate::scene::{Maker, Making, Need, SceneError, Subject};
+use crate::scene::{DepthFrom, Maker, Making, Need, SceneError, Subject};
 
 /// Where a picture comes from.
 #[derive(Debug)]
 pub enum OpenFrom {
     /// A file or folder.
     File(PathBuf),
+    /// Photos of one subject, the one that is looked at first.
+    Several(Vec<PathBuf>),
     /// Pixels of the clipboard, `[y, x, 4]`.
     Pixels([u32; 2], Vec<u8>),
     /// The built-in sample.
@@ -95,6 +97,7 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
 fn making_of(load: &Load, document: &Document) -> Making {
     let making = load.making.clone();
     match (&load.from, document.source()) {
+        (OpenFrom::Several(_), _) => Making { source: DepthFrom::Auto, ..making },
         (OpenFrom::File(_), Some(source)) => Making { source: source.clone(), ..making },
         _ => making,
     }
@@ -119,6 +122,7 @@ fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbo
             }
             None => Document::read(path, job)?,
         },
+        OpenFrom::Several(paths) => Document::read_several(paths, job)?,
         OpenFrom::Pixels(size, rgba) => {
             let mut rgba = rgba.clone();
             rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);

@@ -44,6 +44,8 @@ pub struct Settings {
     pub trust_percent: f32,
     /// A folder of models to use instead of those in the program.
     pub models_folder: Option<PathBuf>,
+    /// Whether photos that were dropped together were of one subject the last time.
+    pub drops_one_subject: bool,
     /// What was told once.
     pub hints: Hints,
 }
@@ -67,6 +69,7 @@ impl Default for Settings {
             trust: false,
             trust_percent: 100.0 * trust::USUAL_LIMIT,
             models_folder: None,
+            drops_one_subject: false,
             hints: Hints::default(),
         }
     }

@@ -20,6 +20,8 @@ pub fn choices(one: &OnePhoto, nets: &[Listed]) -> Vec<Choice> {
 /// Depth that came with the photo, or was given for it.
 pub fn of_photo(one: &OnePhoto) -> Vec<Choice> {
     let mut all = Vec::new();
+    // What they tell is the automatic choice.
+    all.extend(one.several.as_ref().map(|several| (DepthFrom::Auto, format!("{} photos", several.count() + 1))));
     if one.own_map.is_some() {
         all.push((DepthFrom::Map, "Your map".to_owned()));
     }
@@ -34,7 +36,8 @@ pub fn present(wanted: &DepthFrom, one: &OnePhoto, nets: &[Listed]) -> DepthFrom
     let all = choices(one, nets);
     let same = |(source, _): &&Choice| source == wanted || is_same_net(source, wanted);
     let best = || one.best_source(nets.iter().find(|net| net.is_preferred && net.fault.is_none()).map(Listed::source));
-    all.iter().find(same).map_or_else(best, |(source, _)| source.clone())
+    let wanted_here = all.iter().find(same).or_else(|| all.iter().find(|(source, _)| *source == DepthFrom::Auto));
+    wanted_here.map_or_else(best, |(source, _)| source.clone())
 }
 
 /// A net may have another name than when it was chosen, or be asked for by its name alone.

@@ -1,7 +1,12 @@
 //! Several photos through the queue, and one of them bad.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable as _;
+use plenoscope::field::ViewIndex;
+use plenoscope::job::{Cancel, Job};
+use plenoscope::scene::{Maker, Making, Need, Subject};
 
 use crate::common::{drop_files, has_device, sample_file, steps, wait, window};
 
@@ -39,4 +44,32 @@ fn photos_that_are_dropped_together_are_exported_and_a_bad_one_stops_nothing() {
     assert_eq!(names, ["a1-f3.5.jpg", "a10-f3.5.jpg"], "whole files alone");
     steps(&mut harness, 2);
     assert!(harness.query_all_by_label("Show in folder").count() >= 2, "the queue tells");
+}
+
+#[test]
+fn photos_of_one_subject_that_are_dropped_together_are_one_light_field() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    let making = Making { long_side: 300, occlusion: false, ..Making::default() };
+    let sample = Arc::new(Subject::sample().expect("the sample"));
+    let scene = Maker::default().scene(&sample, &making, Need::Views, &job).expect("its views");
+    let photos = [(4, 4), (4, 1), (2, 6)].map(|(v, u)| {
+        let view = scene.views().expect("views").field.view(ViewIndex { v, u });
+        let path = folder.path().join(format!("p{v}{u}.png"));
+        let [w, h] = view.size();
+        image::save_buffer(&path, view.rgba(), w, h, image::ColorType::Rgba8).expect("written");
+        path
+    });
+    let mut harness = window([1000.0, 700.0]);
+    drop_files(&mut harness, &photos);
+    steps(&mut harness, 2);
+    harness.get_by_label("One subject").click();
+    steps(&mut harness, 2);
+    assert!(harness.state().is_busy());
+    wait(&mut harness, "the light field", |app| !app.is_busy());
+    steps(&mut harness, 2);
+    assert!(harness.query_by_label("3 photos").is_some(), "the source of depth");
 }

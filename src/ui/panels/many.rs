@@ -1,8 +1,8 @@
-//! Several files were dropped at once: look at the first, or export them all.
+//! Several files were dropped at once: photos of one subject, or each for itself. What was chosen the last time stands out.
 
 use std::path::{Path, PathBuf};
 
-use egui::{Context, RichText};
+use egui::{Context, RichText, Ui};
 
 use crate::ui::action::Action;
 use crate::ui::dialog::Dialog;
@@ -13,7 +13,7 @@ use crate::ui::{theme, widgets};
 const LISTED: usize = 6;
 
 /// Draws the question.
-pub fn show(files: &[PathBuf], ctx: &Context) -> Vec<Action> {
+pub fn show(files: &[PathBuf], is_one_subject: &mut bool, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
     let mut actions = Vec::new();
     let modal = widgets::modal(ctx, "many");
@@ -29,12 +29,25 @@ pub fn show(files: &[PathBuf], ctx: &Context) -> Vec<Action> {
         }
         ui.label(RichText::new(names.join(", ")).color(colors.weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::main_button(ui, "Open the first").clicked() {
+            let button = |ui: &mut Ui, text: &str, is_main: bool| match is_main {
+                true => widgets::main_button(ui, text),
+                false => widgets::button(ui, text),
+            };
+            let hint =
+                "A hand took them from places a little apart: depth is measured, and what one hides another shows";
+            if button(ui, "One subject", *is_one_subject).on_hover_text(hint).clicked() {
+                *is_one_subject = true;
+                actions.push(Action::CloseDialog);
+                actions.push(Action::Open(OpenFrom::Several(files.to_vec())));
+            }
+            if button(ui, "Open the first", !*is_one_subject).clicked() {
+                *is_one_subject = false;
                 actions.push(Action::CloseDialog);
                 actions.extend(files.first().map(|first| Action::Open(OpenFrom::File(first.clone()))));
             }
             let hint = "Each one becomes a light field and is written with the lens that is set now";
             if widgets::button(ui, "Export all…").on_hover_text(hint).clicked() {
+                *is_one_subject = false;
                 actions.push(Action::Show(Dialog::Export(files.to_vec())));
             }
             if widgets::button(ui, "Cancel").clicked() {
