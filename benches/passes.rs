@@ -42,7 +42,7 @@ fn time(bencher: Bencher, draw: impl Fn(f32) -> Draw) {
     let mut turn = 0;
     bencher.bench_local(|| {
         turn = (turn + 1) % 50;
-        target.update(&gpu, &field, draw(turn as f32 / 25.0 - 1.0));
+        target.update(&gpu, &field, &draw(turn as f32 / 25.0 - 1.0));
         gpu.device().poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
     });
 }
@@ -59,14 +59,14 @@ fn view(bencher: Bencher) {
 #[divan::bench(args = [14.0, 7.0, 3.5])]
 fn refocus(bencher: Bencher, f_number: f32) {
     let lens = Lens { f_number: FNumber(f_number), ..Lens::default() };
-    time(bencher, |at| Draw::Refocus { lens, center: eye(at), is_draft: false });
+    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: false });
 }
 
 /// What is drawn under the hand on a software device.
 #[divan::bench(args = [14.0, 7.0, 3.5])]
 fn refocus_draft(bencher: Bencher, f_number: f32) {
     let lens = Lens { f_number: FNumber(f_number), ..Lens::default() };
-    time(bencher, |at| Draw::Refocus { lens, center: eye(at), is_draft: true });
+    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: true });
 }
 
 #[divan::bench]

@@ -32,7 +32,8 @@ fn a_plane_in_focus_is_the_reference_view() {
         let (field, _) = plane(ViewGrid::PAPER, SIZE, disparity);
         let want = of_view(field.reference());
         for shape in [LensShape::Disc, LensShape::Square] {
-            let got = cpu::refocus(&field, &Lens { shape, ..lens(3.5, disparity) }, ViewPoint::default());
+            let got =
+                cpu::refocus(&field, &Lens { shape: shape.clone(), ..lens(3.5, disparity) }, ViewPoint::default());
             Approx::Close.check(&format!("{disparity} {shape:?}"), &inner(&got, 9), &inner(&want, 9));
         }
     }

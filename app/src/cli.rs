@@ -285,7 +285,8 @@ pub struct LensArgs {
     /// The disparity that is to be sharp, in pixels per view step; by default 0
     #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number)]
     pub focus_disparity: Option<f32>,
-    /// Shape of the opening: disc, square, blades:5 … blades:9, ring or cat-eye; by default disc
+    /// Shape of the opening: disc, square, blades:5 … blades:9, ring, cat-eye, or picture:FILE, in which white is open; by
+    /// default disc
     #[arg(long, value_name = "SHAPE", value_parser = asked::lens_shape)]
     pub lens: Option<LensShape>,
     /// Disparities that stay sharp, from far to near; or up to three pixels of the upright photo: the focal plane goes

@@ -99,7 +99,7 @@ def refocus(
     f_number: from 28 (the photo as it is) to 1; by default 3.5.
     focus: the pixel of the upright photo that is to be sharp, (x, y).
     focus_disparity: the disparity that is to be sharp; by default 0. Like `keep_sharp` and `tilt` in pixels of the map.
-    lens: "disc", "square", "blades:5" to "blades:9", "ring" or "cat-eye".
+    lens: "disc", "square", "blades:5" to "blades:9", "ring", "cat-eye", or "picture:FILE", in which white is open.
     keep_sharp: disparities that stay sharp, (far, near).
     tilt: by how much the sharp disparity grows from left to right and from top to bottom.
     highlights: how much clipped lights are brightened before they are blurred, 0 to 1.

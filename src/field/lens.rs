@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Glass, ViewOffset};
+use super::{Glass, Opening, ViewOffset};
 
 /// An aperture as photographers write it; the paper's are f/28, f/14, f/7 and f/3.5.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ impl FocalPlane {
 }
 
 /// The shape of the aperture, and so of blurred highlights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LensShape {
     /// A round lens.
@@ -83,6 +83,8 @@ pub enum LensShape {
         /// 0 none … 1 half the disc in the corners.
         strength: f32,
     },
+    /// A picture of one's own: white is open.
+    Picture(Opening),
 }
 
 impl LensShape {
@@ -96,7 +98,7 @@ impl LensShape {
 }
 
 /// Everything a refocus needs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Lens {
     /// How wide open.
@@ -135,9 +137,10 @@ impl Lens {
     }
 
     /// The lens for red and blue, where that is another than for green.
-    pub fn magenta(mut self) -> Option<Self> {
-        self.focus.disparity_px -= self.fringes_px;
-        (self.fringes_px != 0.0).then_some(self)
+    pub fn magenta(&self) -> Option<Self> {
+        let mut magenta = self.clone();
+        magenta.focus.disparity_px -= self.fringes_px;
+        (self.fringes_px != 0.0).then_some(magenta)
     }
 
     /// Signed distance of a disparity from what is sharp at a place (x, y from 0 to 1), in pixels per view step.

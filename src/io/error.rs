@@ -139,6 +139,9 @@ pub enum Problem {
     /// A disparity map with values that are no numbers.
     #[error(transparent)]
     Map(FieldError),
+    /// A picture that no light passes, or too large for what it is.
+    #[error("this picture cannot be the opening of a lens — {0} — take a small one in which white is open")]
+    Opening(String),
     /// A folder without anything to open.
     #[error("could not open the folder — it holds no picture and no light field — choose another one")]
     EmptyFolder,

@@ -2,6 +2,7 @@
 //!
 //! * [`open()`] and [`open_bytes`]: anything people have → a [`PhotoFile`] or a [`LightFieldFile`].
 //! * [`formats`]: one file for each light-field or depth format, and the table of who reads and writes what.
+//! * [`opening`]: a picture as the opening of a lens.
 //! * [`folder`]: the photos beside a photo, in natural order.
 //!
 //! Parsers never trust a length: sizes are checked in the header before anything is allocated, and what is only extra
@@ -18,6 +19,7 @@ pub mod formats;
 mod info;
 mod jpeg_parts;
 mod open;
+pub mod opening;
 mod raster;
 pub mod sample;
 pub mod save;

@@ -26,7 +26,7 @@ const SAMPLES_PER_AXIS: i32 = 64;
 /// What lies outside the grid has no light; views for which `arrived` is false count nothing.
 pub fn taps(lens: &Lens, grid: ViewGrid, center: ViewPoint, arrived: impl Fn(ViewIndex) -> bool) -> Vec<Tap> {
     let eye = grid.clamp(center.0).to_vec2();
-    let weights = match lens.shape {
+    let weights = match &lens.shape {
         LensShape::Square => square_weights(lens, grid, eye),
         shape => {
             let radius = lens.f_number.added_views() / 2.0;
@@ -48,7 +48,7 @@ pub fn taps(lens: &Lens, grid: ViewGrid, center: ViewPoint, arrived: impl Fn(Vie
 pub fn nearest_views(grid: ViewGrid, point: ViewPoint, arrived: impl Fn(ViewIndex) -> bool) -> Vec<Tap> {
     let eye = grid.clamp(point.0).to_vec2();
     let mut weights = vec![0.0; grid.count()];
-    splat(&mut weights, grid, eye);
+    splat(&mut weights, grid, eye, 1.0);
     let tap = |(view, weight)| Tap { view, offset: grid.offset(view).to_vec2() - eye, weight };
     let mut taps: Vec<Tap> =
         grid.views().zip(weights).filter(|&(view, weight)| weight > 0.0 && arrived(view)).map(tap).collect();
@@ -77,24 +77,26 @@ fn square_weights(lens: &Lens, grid: ViewGrid, eye: Vec2) -> Vec<f32> {
 }
 
 /// Shares of any other opening, by points spread evenly over it.
-fn opening_weights(shape: LensShape, radius: Vec2, grid: ViewGrid, eye: Vec2) -> Vec<f32> {
+fn opening_weights(shape: &LensShape, radius: Vec2, grid: ViewGrid, eye: Vec2) -> Vec<f32> {
     let mut weights = vec![0.0; grid.count()];
     let side = if radius.y > 0.0 { SAMPLES_PER_AXIS } else { 1 };
     for j in 0..side {
         for i in 0..side {
             let place = (Vec2::new(i as f32, j as f32) + 0.5) * (2.0 / side as f32) - 1.0;
-            if side == 1 || is_open(shape, place) {
-                splat(&mut weights, grid, eye + place * radius);
+            let light = if side == 1 { 1.0 } else { passes(shape, place) };
+            if light > 0.0 {
+                splat(&mut weights, grid, eye + place * radius, light);
             }
         }
     }
     weights
 }
 
-/// Whether light passes the lens at a place of its opening, −1 … 1 in both axes.
-pub fn is_open(shape: LensShape, place: Vec2) -> bool {
+/// How much light passes the lens at a place of its opening, −1 … 1 in both axes.
+pub fn passes(shape: &LensShape, place: Vec2) -> f32 {
     let r = place.length();
-    match shape {
+    let is_open = match *shape {
+        LensShape::Picture(ref opening) => return opening.at(place.to_array()),
         LensShape::Square => true,
         // The cat's eye is a disc in the middle of the picture.
         LensShape::Disc | LensShape::CatEye { .. } => r <= 1.0,
@@ -105,11 +107,12 @@ pub fn is_open(shape: LensShape, place: Vec2) -> bool {
             let straight = (sector / 2.0).cos() / angle.cos();
             r <= straight + (1.0 - straight) * roundness.clamp(0.0, 1.0)
         }
-    }
+    };
+    f32::from(is_open)
 }
 
-/// Gives a point's share to its four nearest views; nothing to those outside the grid.
-fn splat(weights: &mut [f32], grid: ViewGrid, at: Vec2) {
+/// Gives a point's light to its four nearest views; nothing to those outside the grid.
+fn splat(weights: &mut [f32], grid: ViewGrid, at: Vec2, light: f32) {
     let zero = grid.reference();
     let place = at + Vec2::new(zero.u.into(), zero.v.into());
     let (low, part) = (place.floor(), place - place.floor());
@@ -118,7 +121,7 @@ fn splat(weights: &mut [f32], grid: ViewGrid, at: Vec2) {
             let (u, v) = (low.x + dx, low.y + dy);
             let inside = (0.0..grid.cols() as f32).contains(&u) && (0.0..grid.rows() as f32).contains(&v);
             if inside {
-                weights[v as usize * grid.cols() + u as usize] += wx * wy;
+                weights[v as usize * grid.cols() + u as usize] += light * wx * wy;
             }
         }
     }
@@ -155,13 +158,14 @@ mod tests {
             LensShape::Ring { inner: 0.5 },
             LensShape::Blades { count: 6, rotation_deg: 10.0, roundness: 0.3 },
         ];
-        for shape in shapes {
+        for shape in &shapes {
             for f in [28.0, 20.0, 9.0, 3.5, 1.0] {
                 let center = ViewPoint(ViewOffset { dv: 0.3, du: -1.7 });
-                let sum: f32 = taps(&lens(f, shape), ViewGrid::PAPER, center, |_| true).iter().map(|t| t.weight).sum();
+                let sum: f32 =
+                    taps(&lens(f, shape.clone()), ViewGrid::PAPER, center, |_| true).iter().map(|t| t.weight).sum();
                 assert!((sum - 1.0).abs() < 1e-5, "{shape:?} f/{f}: {sum}");
             }
-            let closed = taps(&lens(28.0, shape), ViewGrid::PAPER, ViewPoint::default(), |_| true);
+            let closed = taps(&lens(28.0, shape.clone()), ViewGrid::PAPER, ViewPoint::default(), |_| true);
             assert_eq!(closed.len(), 1);
             assert_eq!(closed[0].view, ViewGrid::PAPER.reference());
         }

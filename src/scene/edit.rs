@@ -27,7 +27,7 @@ pub enum Focus {
 /// Disparities are shares of the picture's width per view step: the same edit is the same picture, however wide the
 /// views are that its depth was made for. They are those of strength 1: who turns the strength keeps the same things in
 /// focus. [`Edit::lens`] brings them to the pixels of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Edit {
     /// How wide open.
@@ -78,7 +78,8 @@ impl Edit {
                 }
             },
         };
-        let Self { f_number, shape, highlights, grain, glass, .. } = *self;
+        let Self { f_number, highlights, grain, glass, .. } = *self;
+        let shape = self.shape.clone();
         let (curve_px, fringes_px) = (glass.curve_px(width), glass.fringes_px(width));
         Lens { f_number, shape, focus, keep_sharp_px, highlights, grain, glass, curve_px, fringes_px }
     }
@@ -90,7 +91,7 @@ impl Edit {
         let share = |px: f32| px / (width as f32 * strength.0);
         Self {
             f_number: lens.f_number,
-            shape: lens.shape,
+            shape: lens.shape.clone(),
             focus: Focus::Disparity(share(lens.focus.disparity_px)),
             tilt: lens.focus.tilt_px.map(share),
             keep_sharp: lens.keep_sharp_px.map(share),
@@ -135,7 +136,11 @@ mod tests {
             let all = [lens.focus.disparity_px, lens.focus.tilt_px[0], lens.keep_sharp_px[1]];
             all.map(|px| px / width as f32)
         };
-        for edit in [edit, Edit { focus: Focus::Disparity(4e-4), ..edit }, Edit { focus: Focus::Subject, ..edit }] {
+        for edit in [
+            edit.clone(),
+            Edit { focus: Focus::Disparity(4e-4), ..edit.clone() },
+            Edit { focus: Focus::Subject, ..edit },
+        ] {
             let (wide, narrow) = (share(&edit, 540), share(&edit, 270));
             assert!(wide.iter().zip(narrow).all(|(a, b)| (a - b).abs() < 2e-5), "{wide:?} {narrow:?}");
         }
@@ -162,7 +167,9 @@ mod tests {
     fn at_another_strength_the_same_things_are_sharp() {
         let (map, strong) = (ramp(540), Strength(2.0));
         let at = Edit { focus: Focus::At([0.25, 0.5]), tilt: [1e-3, 0.0], keep_sharp: [-2e-4, 0.0], ..Edit::default() };
-        for edit in [at, Edit { focus: Focus::Disparity(4e-4), ..at }, Edit { focus: Focus::Subject, ..at }] {
+        for edit in
+            [at.clone(), Edit { focus: Focus::Disparity(4e-4), ..at.clone() }, Edit { focus: Focus::Subject, ..at }]
+        {
             let (plain, deep) = (edit.lens(&map, Strength::AS_MADE), edit.lens(&map.at_strength(strong), strong));
             for x in [0.0, 0.3, 0.9] {
                 let d = 2.0 * x - 1.0;

@@ -238,7 +238,9 @@ impl Scene {
     /// The lens of an edit, in pixels of the map's width.
     pub fn lens(&self, edit: &Edit) -> Lens {
         match edit.focus {
-            Focus::Subject => Edit { focus: Focus::At(self.subject_at()), ..*edit }.lens(&self.map, self.strength),
+            Focus::Subject => {
+                Edit { focus: Focus::At(self.subject_at()), ..edit.clone() }.lens(&self.map, self.strength)
+            }
             _ => edit.lens(&self.map, self.strength),
         }
     }

@@ -117,7 +117,7 @@ pub fn animation(
             let radius = scene.views().map_or(ViewGrid::PAPER, |views| views.field.grid()).inner_radius();
             let frame = |(number, viewpoint): (u32, ViewPoint)| {
                 told(number)?;
-                scene.shown(&Edit { viewpoint, ..*edit }, size, &quiet)
+                scene.shown(&Edit { viewpoint, ..edit.clone() }, size, &quiet)
             };
             return save::animation(path, (0..).zip(circle(radius, count)).map(frame), options);
         }

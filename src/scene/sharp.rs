@@ -247,7 +247,7 @@ mod tests {
         for focus in [Focus::At([0.2, 0.5]), Focus::Through([0.2, 0.5].into())] {
             let edit = Edit { focus, tilt: [1e-3, 0.0], ..Edit::default() };
             let lens = edit.lens(&scene, Strength::AS_MADE);
-            let click = Edit { focus: Focus::At([0.2, 0.5]), ..edit }.lens(&scene, Strength::AS_MADE);
+            let click = Edit { focus: Focus::At([0.2, 0.5]), ..edit.clone() }.lens(&scene, Strength::AS_MADE);
             assert_eq!(lens, click);
         }
     }

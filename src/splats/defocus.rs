@@ -60,8 +60,8 @@ impl Stage {
         let ends = self.ends.map(|nearness| rig.disparity_px(nearness));
         let blur_px = ends.iter().map(|d| lens.defocus_px(*d, 0.5, 0.5).abs()).fold(0.0, f32::max) * 2.0 * radius;
         let count = ((blur_px * blur_px / PX2_PER_EYE) as usize).clamp(EYES[0], EYES[1]);
-        let eyes = if radius > 0.0 { eyes(lens.shape, count) } else { vec![Vec2::ZERO] };
-        let area = if radius > 0.0 { 4.0 * radius * radius * open_part(lens.shape) / eyes.len() as f32 } else { 0.0 };
+        let eyes = if radius > 0.0 { eyes(&lens.shape, count) } else { vec![Vec2::ZERO] };
+        let area = if radius > 0.0 { 4.0 * radius * radius * open_part(&lens.shape) / eyes.len() as f32 } else { 0.0 };
         let narrow = Vec2::new(lens.glass.narrow(), 1.0) * radius;
         let mut sum = vec![[0.0f32; 4]; crate::field::pixels(size)];
         for (done, place) in eyes.iter().enumerate() {
@@ -87,26 +87,28 @@ impl Stage {
 }
 
 /// Part of the square around an opening that is open.
-fn open_part(shape: LensShape) -> f32 {
+fn open_part(shape: &LensShape) -> f32 {
     const SIDE: i32 = 64;
     let places =
         (0..SIDE * SIDE).map(|i| Vec2::new((i % SIDE) as f32 + 0.5, (i / SIDE) as f32 + 0.5) * 2.0 / SIDE as f32 - 1.0);
-    let open = places.filter(|place| aperture::is_open(shape, *place)).count();
-    open as f32 / (SIDE * SIDE) as f32
+    places.map(|place| aperture::passes(shape, place)).sum::<f32>() / (SIDE * SIDE) as f32
 }
 
 /// Places on an opening, −1 … 1 in both axes, evenly over it, about as many as asked for.
-fn eyes(shape: LensShape, count: usize) -> Vec<Vec2> {
-    let of_square = if shape == LensShape::Square { 1.0 } else { std::f32::consts::FRAC_PI_4 };
+fn eyes(shape: &LensShape, count: usize) -> Vec<Vec2> {
+    let is_square = *shape == LensShape::Square;
+    let of_square = if is_square { 1.0 } else { std::f32::consts::FRAC_PI_4 };
     let tries = (count as f32 * of_square / open_part(shape).max(0.01)).round() as usize;
     let place = |i: usize| {
-        if shape == LensShape::Square {
+        if is_square {
             return Vec2::from(EVEN.map(|step| 2.0 * (0.5 + step * i as f32).fract() - 1.0));
         }
         let r = ((i as f32 + 0.5) / tries as f32).sqrt();
         Vec2::from_angle(GOLDEN * i as f32) * r
     };
-    let open: Vec<Vec2> = (0..tries).map(place).filter(|place| aperture::is_open(shape, *place)).collect();
+    // Where half the light passes, every second eye stands.
+    let is_open = |i: &usize| aperture::passes(shape, place(*i)) > (EVEN[0] * *i as f32).fract();
+    let open: Vec<Vec2> = (0..tries).filter(is_open).map(place).collect();
     // Their middle is the lens's: else the whole picture would stand aside.
     let mean = open.iter().sum::<Vec2>() / open.len().max(1) as f32;
     let is_even = !matches!(shape, LensShape::Blades { .. });
@@ -180,7 +182,7 @@ mod tests {
             LensShape::Blades { count: 6, rotation_deg: 0.0, roundness: 0.0 },
         ];
         for shape in shapes {
-            let eyes = eyes(shape, 64);
+            let eyes = eyes(&shape, 64);
             assert!((50..80).contains(&eyes.len()), "{shape:?}: {}", eyes.len());
             let mean = eyes.iter().sum::<Vec2>() / eyes.len() as f32;
             assert!(mean.length() < 0.05, "{shape:?}: {mean}");
@@ -188,7 +190,7 @@ mod tests {
             let square = |v: &Vec2| v.length_squared();
             let want: Vec<Vec2> = (0..10_000)
                 .map(|i| Vec2::new((i % 100) as f32 + 0.5, (i / 100) as f32 + 0.5) / 50.0 - 1.0)
-                .filter(|place| aperture::is_open(shape, *place))
+                .filter(|place| aperture::passes(&shape, *place) > 0.0)
                 .collect();
             let moment = |all: &[Vec2]| all.iter().map(square).sum::<f32>() / all.len() as f32;
             assert!(

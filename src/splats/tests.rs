@@ -145,7 +145,7 @@ fn a_lens_gathers_what_many_eyes_on_it_see() {
     let apart = picture.rgb_linear.iter().zip(&sum).map(|(a, b)| (a - b / count).abs()).sum::<f32>() / sum.len() as f32;
     assert!(apart < 0.004, "{apart}");
     // Closed down it is the view itself.
-    let closed = through(&Lens { f_number: FNumber::PHOTO, ..lens });
+    let closed = through(&Lens { f_number: FNumber::PHOTO, ..lens.clone() });
     let view = with_job(|job| stage.taken(&Shot::view(stage.rig, from.0.to_vec2()), job));
     let same = closed.to_srgb8().iter().zip(&view.rgba).all(|(a, b)| a.abs_diff(*b) <= 1);
     assert!(same, "a lens without an opening is a view");

@@ -9,7 +9,7 @@ use super::dialog::Dialog;
 use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::worker::JobId;
-use crate::field::ViewOffset;
+use crate::field::{Opening, ViewOffset};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::repair::Repair;
 use crate::scene::{DepthFrom, Recipe};
@@ -38,6 +38,8 @@ pub enum Action {
     Repair(Repair),
     /// Takes a repair away, by its number.
     Unrepair(usize),
+    /// Takes a picture as the opening of the lens.
+    TakeOpening(Opening),
     /// Applies an edit of another photo.
     PasteEdit(Box<Recipe>),
     /// Takes ray depths from elsewhere.
@@ -73,6 +75,7 @@ impl Action {
             Self::FocusOnSubject => "focus on the subject",
             Self::Repair(_) => "mend the depth",
             Self::Unrepair(_) => "take a repair away",
+            Self::TakeOpening(_) => "take a picture as opening",
             Self::PasteEdit(_) => "paste an edit",
             Self::TakeDepths(_) => "take depth from elsewhere",
             Self::TakeMap(_) => "take a depth map",

@@ -235,7 +235,7 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         let asked = input::read(&ctx, self.window.dialog.as_ref(), self.window.open.photo().is_some());
         self.apply(asked, &ctx);
-        let before = (self.window.edit, self.window.look.pose);
+        let before = (self.window.edit.clone(), self.window.look.pose);
         self.window.look.is_moving = ctx.input(|input| input.pointer.any_down());
         self.circle(&ctx);
         let asked = panels::layout(&mut self.window, ui);
@@ -250,7 +250,7 @@ impl eframe::App for App {
         let place = self.toast_place(&ctx);
         self.window.toasts.show(&ctx, place);
         let Window { edit, look, .. } = &mut self.window;
-        if before != (*edit, look.pose) {
+        if (&before.0, before.1) != (&*edit, look.pose) {
             look.moved_at_secs = now();
         }
         self.mend();
@@ -264,7 +264,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        self.window.settings.edit = self.window.edit;
+        self.window.settings.edit = self.window.edit.clone();
         eframe::set_value(storage, eframe::APP_KEY, &self.window.settings);
     }
 

@@ -21,7 +21,7 @@ use super::queue::State;
 use super::saver::{Order, Queued, Shown};
 use super::window::Window;
 use crate::crash;
-use crate::field::{ViewOffset, ViewPoint};
+use crate::field::{LensShape, ViewOffset, ViewPoint};
 use crate::io::formats::layout::Layout;
 use crate::scene::{Content, DepthFrom, Edit, Recipe, Subject};
 
@@ -50,6 +50,7 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
             window.repairs = window.repairs.without(number);
             window.history.note(&window.step());
         }
+        Action::TakeOpening(opening) => window.edit.shape = LensShape::Picture(opening),
         Action::PasteEdit(recipe) => paste_edit(window, &recipe),
         Action::TakeDepths(source) => {
             if source != DepthFrom::Map {
@@ -335,7 +336,7 @@ fn start_export(window: &mut Window, photos: Vec<PathBuf>) {
     for path in photos {
         let (title, settings, making) = (name(&path), window.settings.export.clone(), window.making());
         let target = settings.target(Some(&path), &title, &window.edit);
-        let recipe = Recipe::new(window.edit, settings.picture.clone());
+        let recipe = Recipe::new(window.edit.clone(), settings.picture.clone());
         let job = window.workers.saver.push(Order::File(Box::new(Queued { path, recipe, settings, target, making })));
         window.queue.add(job, title);
     }
@@ -347,7 +348,7 @@ fn save_shown(window: &mut Window, target: Option<PathBuf>, title: String) {
         window.toasts.error("nothing to export yet — the light field is still being made — wait for it to end");
         return;
     };
-    let shown = Shown { scene, edit: window.edit, settings: window.settings.export.clone(), target };
+    let shown = Shown { scene, edit: window.edit.clone(), settings: window.settings.export.clone(), target };
     let job = window.workers.saver.push(Order::Shown(Box::new(shown)));
     window.queue.add(job, title);
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::near_end::Reading;
+use crate::field::Opening;
 use crate::scene::Recipe;
 
 /// What is asked for.
@@ -35,6 +36,10 @@ pub enum Ask {
     },
     /// The depth map in a file.
     ReadDepthMap(PathBuf),
+    /// A picture as the opening of the lens.
+    Opening,
+    /// The one in a file.
+    ReadOpening(PathBuf),
     /// A folder of models.
     Models,
     /// A depth net.
@@ -54,6 +59,8 @@ pub enum PathFor {
     Export,
     /// A depth map.
     DepthMap,
+    /// A picture as the opening of the lens.
+    Opening,
     /// A folder of models.
     Models,
     /// A depth net.
@@ -78,6 +85,8 @@ pub enum Picked {
         /// The map, read both ways.
         readings: [Reading; 2],
     },
+    /// The opening of the lens.
+    Opening(Opening),
     /// A folder of models.
     Models(PathBuf),
     /// A depth net to add.

@@ -1,6 +1,6 @@
 //! The system's file dialogs, on a thread of their own; and what to do where the system has none.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::ask::{Ask, PathFor, Picked};
@@ -8,6 +8,7 @@ use super::event::Event;
 use super::near_end;
 use super::worker::{JobId, Outbox};
 use crate::io::formats::depth_map;
+use crate::io::opening;
 use crate::job::Cancel;
 use crate::scene::Recipe;
 
@@ -26,6 +27,11 @@ pub fn work(job: JobId, ask: Ask, _: &Cancel, outbox: &Outbox) {
         Ask::DepthMap { folder } => match pollster::block_on(dialog(folder).pick_file()) {
             Some(file) => return tell(job, depth_map(path(file)), outbox),
             None => none(start, PathFor::DepthMap),
+        },
+        Ask::ReadOpening(path) => return tell(job, opening(&path), outbox),
+        Ask::Opening => match pollster::block_on(dialog(None).pick_file()) {
+            Some(file) => return tell(job, opening(file.path()), outbox),
+            None => none(start, PathFor::Opening),
         },
         Ask::Open { folder } => {
             or_none(pollster::block_on(dialog(folder).pick_file()).map(path).map(Picked::Open), PathFor::Open)
@@ -61,6 +67,13 @@ fn depth_map(path: PathBuf) -> Event {
             Ok(readings) => Event::Picked(Picked::DepthMap { path, size: map.size(), readings }),
             Err(error) => Event::Failed(crate::errors::sentence(&error)),
         },
+        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+    }
+}
+
+fn opening(path: &Path) -> Event {
+    match opening::read(path) {
+        Ok(opening) => Event::Picked(Picked::Opening(opening)),
         Err(error) => Event::Failed(crate::errors::sentence(&error)),
     }
 }

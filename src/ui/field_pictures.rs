@@ -175,10 +175,10 @@ impl FieldPictures {
         }
         let shown = shown.as_mut()?;
         let waits = self.gpu.is_software() && (self.is_streaming || field.is_waiting());
-        if waits && shown.target.has_drawn(draw) && shown.drawn_at.elapsed() < STREAM_FRAMES {
+        if waits && shown.target.has_drawn(&draw) && shown.drawn_at.elapsed() < STREAM_FRAMES {
             return Some(shown.id);
         }
-        if shown.target.update(&self.gpu, field, draw) {
+        if shown.target.update(&self.gpu, field, &draw) {
             shown.drawn_at = Instant::now();
         }
         Some(shown.id)

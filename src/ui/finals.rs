@@ -36,7 +36,7 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
     let mut renderer = Renderer { device, rgbd: None, prepared: None };
     move |job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox| {
         let event = match renderer.render(&request, &Job { cancel, sink: &() }) {
-            Ok(picture) => Event::AtRest(request.key, Arc::new(TileSet::of_picture(&picture))),
+            Ok(picture) => Event::AtRest(request.key.clone(), Arc::new(TileSet::of_picture(&picture))),
             Err(_) if cancel.is_cancelled() => Event::Stopped,
             Err(error) => Event::Failed(crate::errors::sentence(&error)),
         };
@@ -54,9 +54,9 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
 
 /// The visible part of what a true lens sees, where the scene has one.
 fn true_picture(request: &Request, job: &Job) -> Result<Option<Picture>, SceneError> {
-    let RestKey { edit, size, region, .. } = request.key;
+    let RestKey { ref edit, size, region, .. } = request.key;
     let scene = request.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
-    let whole = scene.through_true_lens(&edit, OutputSize::Within(size), job)?;
+    let whole = scene.through_true_lens(edit, OutputSize::Within(size), job)?;
     Ok(whole.map(|picture| part(&picture, region)))
 }
 
@@ -68,12 +68,12 @@ fn part(picture: &Picture, Region { at, size }: Region) -> Picture {
 
 impl Renderer {
     fn render(&mut self, request: &Request, job: &Job) -> Result<Picture, SceneError> {
-        let RestKey { edit, region, .. } = request.key;
+        let RestKey { ref edit, region, .. } = request.key;
         // The views of a strength may be on their way: the map is there at once.
         let scene = request.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
         let prepared = self.prepared(&scene, &request.key, job)?;
         job.check()?;
-        let lens = scene.lens(&edit);
+        let lens = scene.lens(edit);
         if let Some(device) = &mut self.device
             && let Some(picture) = device.render(&prepared, &lens, region, job)?
         {

@@ -166,7 +166,7 @@ fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Con
     window.asked = window.making();
     window.edit = match &document.sidecar {
         Sidecar::Read(recipe) => recipe.edit(window.making().view_size(&document.subject)[0]),
-        _ => window.edit.for_new_photo(),
+        _ => window.edit.clone().for_new_photo(),
     };
     window.repairs = match &document.sidecar {
         Sidecar::Read(recipe) => recipe.repairs.clone(),
@@ -299,6 +299,7 @@ fn picked(window: &mut Window, picked: Picked, ctx: &Context) {
                 ),
             }
         }
+        Picked::Opening(opening) => Action::TakeOpening(opening),
         Picked::Models(folder) => Action::UseModels(folder),
         Picked::Net(path) => Action::ChangeNets(Change::Add(path)),
         Picked::Pixels(size, rgba) => Action::Open(OpenFrom::Pixels(size, rgba)),

@@ -7,7 +7,7 @@ use crate::render::lens::Region;
 use crate::scene::Edit;
 
 /// What a picture at rest shows: it is drawn only while this is what the window asks for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RestKey {
     /// What is done to the picture.
     pub edit: Edit,
@@ -44,7 +44,7 @@ impl RestKey {
             high(place(seen.bottom(), rect.top(), rect.height(), size[1]), size[1]),
         ];
         let part = Region { at, size: [0, 1].map(|axis| end[axis].saturating_sub(at[axis]).max(1)) };
-        Self { edit: *edit, has_draft: true, size, region: part, generation }
+        Self { edit: edit.clone(), has_draft: true, size, region: part, generation }
     }
 
     /// The same, all of it, at another size.
@@ -55,7 +55,7 @@ impl RestKey {
 
     /// Whether it shows all of the picture at this size.
     pub fn is_whole_at(&self, size: [u32; 2]) -> bool {
-        *self == self.whole_at(size)
+        self.size == size && self.region == Region { at: [0, 0], size }
     }
 
     /// Where the region lies within a picture that is drawn at `rect`.
@@ -68,7 +68,7 @@ impl RestKey {
 }
 
 /// What the marks belong to: they are drawn only while this is what the window shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PeaksKey {
     /// The lens, in pixels of the view's width.
     pub lens: Lens,

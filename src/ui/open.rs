@@ -234,11 +234,11 @@ impl Open {
     /// The edit as the views that are there can draft it: at another strength a lens is as much wider, and an eye as much
     /// farther out.
     pub fn drafted(&self, edit: &Edit) -> Edit {
-        let Some(wanted) = self.wanted_strength(edit) else { return *edit };
+        let Some(wanted) = self.wanted_strength(edit) else { return edit.clone() };
         let ratio = wanted.0 / self.strength().0;
         let at = edit.viewpoint.0;
         let viewpoint = ViewPoint(ViewOffset { dv: at.dv * ratio, du: at.du * ratio });
-        Edit { f_number: FNumber::adding(edit.f_number.added_views() * ratio), viewpoint, ..*edit }
+        Edit { f_number: FNumber::adding(edit.f_number.added_views() * ratio), viewpoint, ..edit.clone() }
     }
 
     /// Puts a lens that was turned by hand into the edit it came of. What is in focus stays, unless that was turned.
@@ -246,19 +246,19 @@ impl Open {
         if before == after {
             return;
         }
-        let was = *edit;
-        *edit = was.with_lens(after, self.width(), self.strength());
+        let (focus, tilt, keep_sharp) = (edit.focus, edit.tilt, edit.keep_sharp);
+        *edit = std::mem::take(edit).with_lens(after, self.width(), self.strength());
         if before.keep_sharp_px == after.keep_sharp_px {
-            edit.keep_sharp = was.keep_sharp;
+            edit.keep_sharp = keep_sharp;
         }
         // What is solved for places has no tilt of its own.
-        let is_solved = matches!(was.focus, Focus::Through(places) if places.all().len() > 1);
+        let is_solved = matches!(focus, Focus::Through(places) if places.all().len() > 1);
         let is_as_it_was = before.focus.disparity_px == after.focus.disparity_px;
         if is_as_it_was && (!is_solved || before.focus.tilt_px == after.focus.tilt_px) {
-            edit.focus = was.focus;
+            edit.focus = focus;
         }
-        if before.focus.tilt_px == after.focus.tilt_px && edit.focus == was.focus {
-            edit.tilt = was.tilt;
+        if before.focus.tilt_px == after.focus.tilt_px && edit.focus == focus {
+            edit.tilt = tilt;
         }
     }
 }

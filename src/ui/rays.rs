@@ -34,7 +34,7 @@ impl Rays {
     pub fn lens(&self, edit: &Edit) -> Lens {
         match edit.focus {
             Focus::Subject => {
-                Edit { focus: Focus::At(self.survey.subject), ..*edit }.lens(&self.reference, Strength::AS_MADE)
+                Edit { focus: Focus::At(self.survey.subject), ..edit.clone() }.lens(&self.reference, Strength::AS_MADE)
             }
             _ => edit.lens(&self.reference, Strength::AS_MADE),
         }

@@ -72,7 +72,7 @@ impl AtRest {
 
     /// Whether what is wanted is there.
     pub fn is_there(&self) -> bool {
-        self.wanted.is_none_or(|wanted| self.have(wanted.generation) == Some(wanted))
+        self.wanted.as_ref().is_none_or(|wanted| self.have(wanted.generation) == Some(wanted))
     }
 
     /// The lens renderer's picture is there.
@@ -84,8 +84,8 @@ impl AtRest {
     }
 
     /// What the picture of a light field shows.
-    fn have(&self, generation: u64) -> Option<RestKey> {
-        self.pictures.iter().map(|(key, _)| *key).find(|key| key.generation == generation)
+    fn have(&self, generation: u64) -> Option<&RestKey> {
+        self.pictures.iter().map(|(key, _)| key).find(|key| key.generation == generation)
     }
 
     /// Marks are there.
@@ -95,7 +95,7 @@ impl AtRest {
     }
 
     /// The picture, where it shows what is asked for at any size; of a wide lens the last one, while the next is drawn.
-    pub fn picture(&mut self, key: RestKey) -> Option<(&RestKey, &mut Tiled)> {
+    pub fn picture(&mut self, key: &RestKey) -> Option<(&RestKey, &mut Tiled)> {
         let (have, tiled) = self.pictures.iter_mut().find(|(have, _)| have.generation == key.generation)?;
         let follows = !have.has_draft && !key.has_draft;
         (have.edit == key.edit || follows).then_some((&*have, tiled))
@@ -103,17 +103,17 @@ impl AtRest {
 
     /// Whether this is being drawn.
     fn is_drawing(&self, is_it: impl Fn(&RestKey) -> bool) -> bool {
-        self.asked_for.is_some_and(|key| is_it(&key) && self.have(key.generation) != Some(key))
+        self.asked_for.as_ref().is_some_and(|key| is_it(key) && self.have(key.generation) != Some(key))
     }
 
     /// The picture at rest that is to be drawn now: once nothing has moved for a while, or of a wide lens at once.
     pub fn ask(&mut self, seen: &Seen, ctx: &egui::Context) -> Option<finals::Request> {
         self.wanted = self.key(seen, ctx.pixels_per_point());
-        let Some(mut key) = self.wanted else {
+        let Some(mut key) = self.wanted.clone() else {
             self.asked_for = None;
             return None;
         };
-        if self.is_there() || self.asked_for == Some(key) {
+        if self.is_there() || self.asked_for.as_ref() == Some(&key) {
             return None;
         }
         let (scene, field) = (seen.open.scene()?, seen.open.field()?);
@@ -122,11 +122,11 @@ impl AtRest {
             key = key.whole_at(field.size());
             // The hand does not stop a draft: else it would never see one.
             let is_busy = self.is_drawing(|asked| asked.is_whole_at(field.size()));
-            if key.has_draft || is_busy || self.asked_for == Some(key) {
+            if key.has_draft || is_busy || self.asked_for.as_ref() == Some(&key) {
                 return None;
             }
         }
-        self.asked_for = Some(key);
+        self.asked_for = Some(key.clone());
         Some(finals::Request { key, scene: scene.clone() })
     }
 
@@ -148,8 +148,8 @@ impl AtRest {
 
     /// The marks of what is in focus that are to be made now, when the lens or the view has changed.
     pub fn ask_peaks(&mut self, seen: &Seen) -> Option<peaking::Request> {
-        let key = self.peaks_key(seen).filter(|key| self.peaks_asked_for != Some(*key))?;
-        self.peaks_asked_for = Some(key);
+        let key = self.peaks_key(seen).filter(|key| self.peaks_asked_for.as_ref() != Some(key))?;
+        self.peaks_asked_for = Some(key.clone());
         let (field, depths) = (Arc::clone(seen.open.field()?), Arc::clone(&seen.open.rays()?.depths));
         Some(peaking::Request { key, field, depths })
     }

@@ -21,14 +21,14 @@ pub fn toggled(open: &Open, edit: &Edit, place: [f32; 2], ring: Option<usize>, p
         Some(places) => Focus::Through(places),
         None => Focus::At(place),
     };
-    opened(open, Edit { focus, ..*edit }, picture_width)
+    opened(open, Edit { focus, ..edit.clone() }, picture_width)
 }
 
 /// The edit with a ring elsewhere; an aperture that was as wide as could be stays so.
 pub fn moved(open: &Open, edit: &Edit, ring: usize, place: [f32; 2], picture_width: u32) -> Edit {
-    let Focus::Through(places) = edit.focus else { return *edit };
+    let Focus::Through(places) = edit.focus else { return edit.clone() };
     let widest = open.scene().and_then(|scene| scene.widest(edit, picture_width));
-    let after = Edit { focus: Focus::Through(places.moved(ring, place)), ..*edit };
+    let after = Edit { focus: Focus::Through(places.moved(ring, place)), ..edit.clone() };
     let was_widest = widest.is_some_and(|widest| (widest.0 - edit.f_number.0).abs() < 1e-3);
     if was_widest { opened(open, after, picture_width) } else { after }
 }

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 const ALPHA: f32 = 0.85;
 
 /// What a tint belongs to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TrustKey {
     lens: Lens,
     from: ViewPoint,
@@ -48,12 +48,12 @@ impl Tint {
 
     /// The tint that is to be made now: once the hand rests.
     pub fn ask(&mut self, seen: &Seen, generation: u64) -> Option<Request> {
-        let key = Self::key(seen, generation).filter(|key| self.asked_for != Some(*key))?;
+        let key = Self::key(seen, generation).filter(|key| self.asked_for.as_ref() != Some(key))?;
         let scene = seen.open.scene()?;
         if seen.look.is_moving {
             return None;
         }
-        self.asked_for = Some(key);
+        self.asked_for = Some(key.clone());
         Some(Request { key, scene: scene.clone() })
     }
 

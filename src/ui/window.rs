@@ -130,7 +130,7 @@ impl Window {
         let mut toasts = Toasts::default();
         broken.iter().for_each(|error| toasts.info(&error.to_string()));
         Self {
-            edit: settings.edit,
+            edit: settings.edit.clone(),
             settings,
             open: Open::default(),
             loading: Loading::default(),
@@ -278,12 +278,12 @@ impl Window {
             _ => Recipe::default(),
         };
         recipe.export = self.settings.export.picture.clone();
-        recipe.with_edit(self.edit).with_depth(&self.source).with_repairs(self.repairs.clone())
+        recipe.with_edit(self.edit.clone()).with_depth(&self.source).with_repairs(self.repairs.clone())
     }
 
     /// All that is undone as one.
     pub fn step(&self) -> Step {
-        Step { edit: self.edit, repairs: self.repairs.clone() }
+        Step { edit: self.edit.clone(), repairs: self.repairs.clone() }
     }
 
     /// Puts back what was undone or done again.

@@ -28,12 +28,12 @@ fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
     let mut harness = with_photo(&photo);
     steps(&mut harness, SETTLED);
     assert!(!Recipe::sidecar(&photo).exists(), "looking is no edit");
-    let untouched = *harness.state().edit();
+    let untouched = harness.state().edit().clone();
 
     let center = harness.get_by_label("Picture canvas").rect().center();
     click(&mut harness, center + vec2(-120.0, 120.0));
     steps(&mut harness, SETTLED);
-    let focused = *harness.state().edit();
+    let focused = harness.state().edit().clone();
     assert!(matches!(focused.focus, Focus::At(_)));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     steps(&mut harness, 2);
@@ -58,7 +58,7 @@ fn an_edit_goes_through_the_clipboard_to_another_photo() {
     let photo = sample_file(folder.path(), "sample.png");
     let mut harness = with_photo(&photo);
     let edit = Edit { f_number: FNumber(7.0), focus: Focus::At([0.5, 0.5]), ..Edit::default() };
-    harness.event(egui::Event::Paste(Recipe::default().with_edit(edit).to_json()));
+    harness.event(egui::Event::Paste(Recipe::default().with_edit(edit.clone()).to_json()));
     steps(&mut harness, 2);
     assert_eq!(*harness.state().edit(), edit);
     let depth = harness.state().focus_depth_px([0.5, 0.5]).expect("there are ray depths");
@@ -111,8 +111,8 @@ fn strength_is_shown_everywhere_and_undone_as_one() {
     let plain = Arc::clone(harness.state().light_field().expect("it is made"));
     let center = [0.5, 0.5];
     let depth = harness.state().focus_depth_px(center).expect("there are ray depths");
-    let before = *harness.state().edit();
-    let deep = Edit { strength: Strength(2.0), ..before };
+    let before = harness.state().edit().clone();
+    let deep = Edit { strength: Strength(2.0), ..before.clone() };
     harness.event(egui::Event::Paste(Recipe::default().with_edit(deep).to_json()));
     steps(&mut harness, SETTLED);
     wait(&mut harness, "the deeper light field", |app| app.is_at_rest());

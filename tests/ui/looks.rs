@@ -74,7 +74,7 @@ fn picture_of_readme() {
     };
     assert!(has_device(), "the window is drawn on a device");
     let mut harness = with_large_sample([1280.0, 800.0]);
-    let edit = Edit { f_number: FNumber(1.4), ..*harness.state().edit() };
+    let edit = Edit { f_number: FNumber(1.4), ..harness.state().edit().clone() };
     harness.event(egui::Event::Paste(Recipe::default().with_edit(edit).to_json()));
     steps(&mut harness, 4);
     wait(&mut harness, "the picture at rest", |app| app.is_at_rest());

@@ -33,7 +33,7 @@ fn one_key_compares_sources_and_what_was_made_comes_back_at_once() {
     nets::write_metres(&shelf, "metres");
     let photo = sample_file(folder.path(), "sample.png");
     let mut harness = open(&photo, &shelf);
-    let (edit, chosen) = (*harness.state().edit(), depth_px(&harness));
+    let (edit, chosen) = (harness.state().edit().clone(), depth_px(&harness));
     assert_eq!(harness.state().source(), DepthFrom::Network);
 
     while harness.state().source().net_name() != Some("metres") {

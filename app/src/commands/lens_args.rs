@@ -18,7 +18,7 @@ pub fn asked(args: &LensArgs) -> LensAsked {
         f_number: args.f_number,
         focus: args.focus.map(Into::into),
         focus_disparity_px: args.focus_disparity,
-        shape: args.lens,
+        shape: args.lens.clone(),
         keep_sharp_px: args.keep_sharp.first().and_then(band),
         tilt_px: args.tilt.map(Into::into),
         highlights: args.highlights,

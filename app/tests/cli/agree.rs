@@ -4,7 +4,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use plenoscope::field::{FNumber, Strength, ViewOffset, ViewPoint};
+use plenoscope::field::{FNumber, LensShape, Strength, ViewOffset, ViewPoint};
+use plenoscope::io::opening;
 use plenoscope::io::save::Keep;
 use plenoscope::scene::recipe::PictureSettings;
 use plenoscope::scene::{Edit, Focus, Recipe};
@@ -23,6 +24,9 @@ struct Case {
     args: Vec<String>,
     edit: Edit,
 }
+
+/// Any picture that is not black.
+const OPENING: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/snapshots/ray_depths.png");
 
 /// Edits of every kind, of a picture of this size whose map is `map_width` pixels wide.
 fn cases(picture: [u32; 2], map_width: u32) -> Vec<Case> {
@@ -67,6 +71,11 @@ fn cases(picture: [u32; 2], map_width: u32) -> Vec<Case> {
             &plus(lens(2.0, d), "--strength", "0.5".to_owned()),
             Edit { strength: Strength(0.5), ..at_plane(2.0, d) },
         ),
+        case(
+            "through a picture",
+            &plus(lens(1.4, d), "--lens", format!("picture:{OPENING}")),
+            Edit { shape: LensShape::Picture(opening::read(Path::new(OPENING)).unwrap()), ..at_plane(1.4, d) },
+        ),
         case("by place", &by_place, Edit { f_number: FNumber(2.0), focus: Focus::At(share), ..Edit::default() }),
     ]
 }
@@ -94,7 +103,7 @@ fn subjects(dir: &Scratch) -> [String; 3] {
 /// The picture of each door, for one subject and one edit.
 fn doors(dir: &Scratch, input: &str, how: &[&str], case: &Case, window: &mut Option<WindowExport>) -> Vec<Vec<u8>> {
     let recipe = dir.path("edit.json");
-    Recipe::new(case.edit, settings()).write(&recipe).unwrap();
+    Recipe::new(case.edit.clone(), settings()).write(&recipe).unwrap();
     let recipe = recipe.to_string_lossy().into_owned();
     let (by_args, by_recipe, out) = (dir.arg("args.jpg"), dir.arg("recipe.jpg"), dir.arg("out"));
     let args: Vec<&str> = case.args.iter().map(String::as_str).collect();

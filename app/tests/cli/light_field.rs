@@ -178,6 +178,9 @@ fn places_are_kept_sharp_and_the_lens_is_told() {
         &["--distance", "0m"],
         &["--distance", "far"],
         &["--as-lens", "kit"],
+        &["--lens", "picture:"],
+        &["--lens", "picture:none.png"],
+        &["--lens", "picture:Cargo.toml"],
     ] {
         on_sample(&dir, "refocus", &[&["-o", &dir.arg("wrong.png")], wrong].concat()).code(2).stdout("");
         assert!(!dir.path("wrong.png").exists(), "{wrong:?}");

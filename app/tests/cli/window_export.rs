@@ -55,7 +55,7 @@ impl WindowExport {
         fs::remove_dir_all(folder).ok();
         fs::create_dir_all(folder).unwrap();
         self.0.state_mut().set_export_folder(folder);
-        self.0.event(egui::Event::Paste(Recipe::new(*edit, PictureSettings::default()).to_json()));
+        self.0.event(egui::Event::Paste(Recipe::new(edit.clone(), PictureSettings::default()).to_json()));
         self.steps(3);
         assert_eq!(self.0.state().edit(), edit, "the edit was pasted");
         self.0.get_by_label("Export…").click();

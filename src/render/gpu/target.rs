@@ -8,7 +8,7 @@ use crate::render::aperture;
 use crate::render::cpu::Colormap;
 
 /// What a picture shows; also the key by which it is drawn again.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Draw {
     /// Twin of [`cpu::refocus_with_depths`](crate::render::cpu::refocus_with_depths).
     Refocus {
@@ -98,14 +98,14 @@ impl Target {
     }
 
     /// Whether this is what was drawn last, of the layers that had arrived then.
-    pub fn has_drawn(&self, draw: Draw) -> bool {
-        self.drawn.is_some_and(|(drawn, _)| drawn == draw)
+    pub fn has_drawn(&self, draw: &Draw) -> bool {
+        self.drawn.as_ref().is_some_and(|(drawn, _)| drawn == draw)
     }
 
     /// Puts the picture into the device's queue if it is not the one that is there already; true if it was drawn.
-    pub fn update(&mut self, gpu: &Gpu, field: &FieldTexture, draw: Draw) -> bool {
-        let key = (draw, field.changes());
-        if self.drawn == Some(key) {
+    pub fn update(&mut self, gpu: &Gpu, field: &FieldTexture, draw: &Draw) -> bool {
+        let changes = field.changes();
+        if self.drawn.as_ref().is_some_and(|(drawn, then)| drawn == draw && *then == changes) {
             return false;
         }
         let Some(pass) = self.write_uniform(gpu, field, draw) else { return false };
@@ -114,16 +114,16 @@ impl Target {
         pass::run(&mut encoder, &pass.pipeline, &bindings, &self.linear_view);
         pass::run(&mut encoder, &gpu.present.pipeline, &self.present_bindings, &self.encoded_view);
         gpu.queue.submit([encoder.finish()]);
-        self.drawn = Some(key);
+        self.drawn = Some((draw.clone(), changes));
         true
     }
 
     /// Writes the uniform and tells its pass; `None` where nothing has arrived that could be drawn.
-    fn write_uniform<'a>(&self, gpu: &'a Gpu, field: &FieldTexture, draw: Draw) -> Option<&'a pass::Pass> {
+    fn write_uniform<'a>(&self, gpu: &'a Gpu, field: &FieldTexture, draw: &Draw) -> Option<&'a pass::Pass> {
         let write = |bytes: &[u8]| gpu.queue.write_buffer(&self.uniform, 0, bytes);
-        match draw {
-            Draw::Refocus { lens, center, is_draft } => {
-                let uniform = refocus_uniform(field, &lens, center, is_draft)?;
+        match *draw {
+            Draw::Refocus { ref lens, center, is_draft } => {
+                let uniform = refocus_uniform(field, lens, center, is_draft)?;
                 write(bytemuck::bytes_of(&uniform));
                 Some(&gpu.refocus)
             }

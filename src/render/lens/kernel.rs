@@ -15,6 +15,8 @@ const MOST_SPHERICAL: f32 = 0.8;
 /// A disc of uneven light is a sum of even ones, so many pixels of diameter apart, and so many at most.
 const RING_PX: f32 = 1.5;
 const MOST_RINGS: usize = 24;
+/// Part of the diameter that is the finest in a picture's opening: fine rays and holes may be softened in wide, even parts.
+const PICTURE_FINEST: f32 = 0.4;
 /// Corners of the polygon that stands for a rounded opening.
 const CORNERS: usize = 180;
 
@@ -41,7 +43,7 @@ impl Span {
     }
 
     /// The same with more or less light.
-    fn times(&self, times: f32) -> Self {
+    pub(super) fn times(&self, times: f32) -> Self {
         let scaled = |(at, parts): (i32, [f32; 2])| (at, parts.map(|part| part * times));
         Self { dy: self.dy, begin: scaled(self.begin), end: scaled(self.end) }
     }
@@ -67,7 +69,7 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    fn of(spans: Vec<Span>) -> Self {
+    pub(super) fn of(spans: Vec<Span>) -> Self {
         let reach = spans.iter().map(|s| (-s.begin.0).max(s.end.0 + 1).max(s.dy.abs() + 1)).max().unwrap_or(0);
         Self { spans, reach }
     }
@@ -79,11 +81,11 @@ impl Kernel {
         Self::of(spans)
     }
 
-    /// The lens's shape at a diameter; `flipped` for points beyond the focal plane, whose picture stands on its head.
+    /// The lens's shape at a diameter; `flipped` for points beyond the focal plane, whose blades stand on their head.
     /// `place` is the point's place in the picture, −1 … 1 in both axes (for the cat's eye).
-    pub fn new(shape: LensShape, diameter_px: f32, flipped: bool, place: [f32; 2]) -> Self {
+    pub fn new(shape: &LensShape, diameter_px: f32, flipped: bool, place: [f32; 2]) -> Self {
         let radius = diameter_px / 2.0;
-        match shape {
+        match *shape {
             LensShape::Disc => Self::disc(diameter_px),
             LensShape::Square => {
                 Self::outline(&[[radius, radius], [-radius, radius], [-radius, -radius], [radius, -radius]])
@@ -97,6 +99,7 @@ impl Kernel {
                 let side = if flipped { -1.0 } else { 1.0 };
                 Self::outline(&cat_eye(radius, place.map(|p| side * p * strength.clamp(0.0, 1.0))))
             }
+            LensShape::Picture(ref opening) => Self::of_opening(opening, &Glass::PLAIN, 0.0, diameter_px, flipped),
         }
     }
 
@@ -105,9 +108,12 @@ impl Kernel {
     /// Spherical aberration gives the disc the light `1 + a·(2r² − 1)` at a part `r` of its radius. That is a sum of even
     /// discs: one of the whole radius with `1 + a` of the light, and one of each part `t` of it with `−4a·t³ dt`. The same
     /// holds for every opening that its smaller self lies within; a mirror lens, whose hole would be filled, has none.
-    pub fn through(glass: &Glass, shape: LensShape, diameter_px: f32, flipped: bool, place: [f32; 2]) -> Self {
+    pub fn through(glass: &Glass, shape: &LensShape, diameter_px: f32, flipped: bool, place: [f32; 2]) -> Self {
         let side = if flipped { 1.0 } else { -1.0 };
         let light = side * MOST_SPHERICAL * glass.spherical.clamp(-1.0, 1.0);
+        if let LensShape::Picture(opening) = shape {
+            return Self::of_opening(opening, glass, light, diameter_px, flipped);
+        }
         let has_hole = matches!(shape, LensShape::Ring { .. });
         let rings = if has_hole { 0 } else { ((diameter_px / RING_PX) as usize).min(MOST_RINGS) };
         let mut kernel = Self::new(shape, diameter_px, flipped, place);
@@ -293,9 +299,13 @@ impl Kernels {
         Self { shape, glass, size: size.map(|s| s as f32), per_place, table }
     }
 
-    /// Part of the diameter that is the finest in the lens's shape: 1, less for a ring's wall and for narrow discs.
+    /// Part of the diameter that is the finest in the lens's shape: 1, less for a ring's wall, a picture and narrow discs.
     pub fn finest(&self) -> f32 {
-        let wall = if let LensShape::Ring { inner } = self.shape { 1.0 - inner.clamp(0.0, 0.9) } else { 1.0 };
+        let wall = match self.shape {
+            LensShape::Ring { inner } => 1.0 - inner.clamp(0.0, 0.9),
+            LensShape::Picture(_) => PICTURE_FINEST,
+            _ => 1.0,
+        };
         wall * self.glass.narrow()
     }
 
@@ -316,18 +326,19 @@ impl Kernels {
             if diameter < 0.05 {
                 Kernel::point()
             } else {
-                Kernel::through(&self.glass, self.shape, diameter, flipped, place)
+                Kernel::through(&self.glass, &self.shape, diameter, flipped, place)
             }
         })
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
+    use super::super::opening;
     use super::*;
 
     /// The kernel drawn into a square of pixels.
-    fn drawn(kernel: &Kernel, half: i32) -> Vec<Vec<f32>> {
+    pub fn drawn(kernel: &Kernel, half: i32) -> Vec<Vec<f32>> {
         let side = (2 * half + 1) as usize;
         let mut rows = vec![vec![0.0; side + 2]; side];
         for span in &kernel.spans {
@@ -345,8 +356,9 @@ mod tests {
         rows
     }
 
-    fn all_shapes() -> [LensShape; 6] {
+    fn all_shapes() -> [LensShape; 7] {
         [
+            opening::tests::letter(),
             LensShape::Disc,
             LensShape::Square,
             LensShape::Blades { count: 5, rotation_deg: 10.0, roundness: 0.0 },
@@ -360,7 +372,7 @@ mod tests {
     fn every_kernel_adds_up_to_one_and_is_never_negative() {
         for shape in all_shapes() {
             for diameter in [0.1, 1.0, 2.3, 3.0, 7.9, 20.5, 61.0] {
-                let kernel = Kernel::new(shape, diameter, false, [0.6, -0.6]);
+                let kernel = Kernel::new(&shape, diameter, false, [0.6, -0.6]);
                 let rows = drawn(&kernel, 40);
                 let sum: f32 = rows.iter().flatten().sum();
                 assert!((sum - 1.0).abs() < 1e-3, "{shape:?} {diameter}: {sum}");
@@ -378,7 +390,7 @@ mod tests {
 
     #[test]
     fn faults_make_no_light_and_lose_none() {
-        for (shape, glass) in all_shapes().into_iter().flat_map(|shape| faults().map(move |glass| (shape, glass))) {
+        for (shape, glass) in all_shapes().iter().flat_map(|shape| faults().map(move |glass| (shape, glass))) {
             for diameter in [0.1, 2.3, 7.9, 20.5, 61.0] {
                 let rows = drawn(&Kernel::through(&glass, shape, diameter, true, [0.6, -0.6]), 40);
                 let sum: f32 = rows.iter().flatten().sum();
@@ -394,7 +406,7 @@ mod tests {
     fn anamorphic_discs_are_as_tall_as_round_ones_and_as_much_narrower_as_asked() {
         for (anamorphic, diameter) in [(0.33, 30.0f32), (1.0, 30.0), (1.0, 61.0)] {
             let glass = Glass { anamorphic, ..Glass::PLAIN };
-            let rows = drawn(&Kernel::through(&glass, LensShape::Disc, diameter, false, [0.0; 2]), 40);
+            let rows = drawn(&Kernel::through(&glass, &LensShape::Disc, diameter, false, [0.0; 2]), 40);
             let inside = rows[40][40];
             let across: f32 = rows[40].iter().sum::<f32>() / inside;
             let down: f32 = rows.iter().map(|row| row[40]).sum::<f32>() / inside;
@@ -408,7 +420,7 @@ mod tests {
         for spherical in [-1.0, -0.5, 0.5, 1.0] {
             for flipped in [false, true] {
                 let glass = Glass { spherical, ..Glass::PLAIN };
-                let rows = drawn(&Kernel::through(&glass, LensShape::Disc, 60.0, flipped, [0.0; 2]), 40);
+                let rows = drawn(&Kernel::through(&glass, &LensShape::Disc, 60.0, flipped, [0.0; 2]), 40);
                 let light = if flipped { spherical } else { -spherical } * MOST_SPHERICAL;
                 let even = 4.0 / (PI * 60.0 * 60.0);
                 for part in [0.1f32, 0.5, 0.8] {
@@ -435,8 +447,8 @@ mod tests {
     #[test]
     fn odd_blades_stand_on_their_head_beyond_the_focal_plane() {
         let shape = LensShape::Blades { count: 5, rotation_deg: 0.0, roundness: 0.0 };
-        let near = drawn(&Kernel::new(shape, 30.0, false, [0.0; 2]), 20);
-        let far = drawn(&Kernel::new(shape, 30.0, true, [0.0; 2]), 20);
+        let near = drawn(&Kernel::new(&shape, 30.0, false, [0.0; 2]), 20);
+        let far = drawn(&Kernel::new(&shape, 30.0, true, [0.0; 2]), 20);
         let rows = |picture: &[Vec<f32>]| picture.iter().map(|r| r.iter().sum::<f32>()).collect::<Vec<_>>();
         let upside_down: Vec<f32> = rows(&far).into_iter().rev().collect();
         let apart = |other: &[f32]| rows(&near).iter().zip(other).map(|(a, b)| (a - b).abs()).sum::<f32>();

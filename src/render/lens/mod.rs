@@ -18,6 +18,7 @@ mod grain;
 pub mod kernel;
 mod layers;
 mod light;
+mod opening;
 mod peaking;
 mod pixel;
 mod rays;
@@ -251,7 +252,7 @@ impl Prepared {
         let blurs =
             self.surfaces.range_px().into_iter().flat_map(|d| corners.map(|[x, y]| lens.defocus_px(d, x, y).abs()));
         let widest = gain * blurs.fold(0.0, f32::max);
-        let kernels = Kernels::new(lens.shape, lens.glass, widest, self.size);
+        let kernels = Kernels::new(lens.shape.clone(), lens.glass, widest, self.size);
         Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, size: self.size }
     }
 }

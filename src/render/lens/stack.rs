@@ -23,7 +23,7 @@ pub fn focal_planes([far, near]: [f32; 2], frames: usize) -> Vec<f32> {
 /// The lens in every frame.
 pub fn lenses(lens: &Lens, motion: Motion, frames: usize) -> Vec<Lens> {
     let with = |value: f32| {
-        let mut lens = *lens;
+        let mut lens = lens.clone();
         match motion {
             Motion::FocusPull(_) => lens.focus.disparity_px = value,
             Motion::ApertureRamp(_) => lens.f_number = FNumber(28.0 / value),

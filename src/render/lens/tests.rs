@@ -273,10 +273,21 @@ fn added(layers: &[Layer], size: [u32; 2], focus: f32) -> Picture {
 
 /// The same around a viewpoint `[u, v]`, whose own view stays where it is.
 fn added_from(layers: &[Layer], size: [u32; 2], focus: f32, eye: [f32; 2]) -> Picture {
-    let radius = PAPER / 2.0;
+    added_through(layers, size, focus, eye, |[u, v]| u.hypot(v) <= 1.0)
+}
+
+/// The same over any opening, `[u, v]` from −1 to 1.
+fn added_through(
+    layers: &[Layer],
+    size: [u32; 2],
+    focus: f32,
+    eye: [f32; 2],
+    is_open: impl Fn([f32; 2]) -> bool,
+) -> Picture {
     let steps: Vec<[f32; 2]> = (-16..=16)
-        .flat_map(|v| (-16..=16).map(move |u| [u as f32 / 16.5 * radius, v as f32 / 16.5 * radius]))
-        .filter(|s| s[0].hypot(s[1]) <= radius)
+        .flat_map(|v| (-16..=16).map(move |u| [u as f32 / 16.5, v as f32 / 16.5]))
+        .filter(|place| is_open(*place))
+        .map(|place| place.map(|p| p * PAPER / 2.0))
         .collect();
     let color = |x: f32, y: f32| {
         let mut sum = [0.0; 3];
@@ -313,6 +324,23 @@ fn r6_agrees_with_shift_and_add_of_the_light_field() {
             let psnr = psnr(&out, &added(&layers, size, focus));
             assert!(psnr >= 38.0, "{count} layers, focus {focus}: {psnr} dB");
         }
+    }
+}
+
+#[test]
+fn a_picture_as_opening_agrees_with_shift_and_add_through_it() {
+    let size = [128, 128];
+    let layers = layers(3);
+    let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
+    let photo = photo(size, |x, y| (see(x, y).light)(x, y));
+    let shape = opening::tests::letter();
+    let LensShape::Picture(letter) = &shape else { unreachable!() };
+    for focus in [-0.6, 0.1, 0.9] {
+        let lens = Lens { shape: shape.clone(), ..focused(focus) };
+        let out = take(&photo, map(size, |x, y| see(x, y).disparity), &lens);
+        let truth = added_through(&layers, size, focus, [0.0; 2], |place| letter.at(place) > 0.5);
+        let psnr = psnr(&out, &truth);
+        assert!(psnr >= 36.0, "focus {focus}: {psnr} dB");
     }
 }
 
@@ -487,7 +515,8 @@ fn a_lens_without_faults_is_the_same_picture() {
     let size = [90, 60];
     let (photo, map) = (noise_photo(size), map(size, |x, y| if x > 40.0 { 0.8 } else { y / 60.0 - 0.9 }));
     let plain = focused(0.1);
-    let none = Lens { glass: crate::field::Glass { spherical: 0.0, ..Default::default() }, curve_px: 0.0, ..plain };
+    let none =
+        Lens { glass: crate::field::Glass { spherical: 0.0, ..Default::default() }, curve_px: 0.0, ..plain.clone() };
     assert_eq!(take(&photo, map.clone(), &plain), take(&photo, map, &none));
 }
 

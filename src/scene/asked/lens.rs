@@ -5,7 +5,7 @@ use crate::field::{FNumber, LensShape};
 use crate::scene::{Edit, Focus, Scene};
 
 /// What a person turns on the lens; none is left as it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LensAsked {
     /// How wide open.
     pub f_number: Option<FNumber>,
@@ -39,7 +39,7 @@ impl LensAsked {
         let share = |px: f32| px / scene.map().size()[0] as f32;
         edit.strength = scene.strength();
         edit.f_number = self.f_number.unwrap_or(edit.f_number);
-        edit.shape = self.shape.unwrap_or(edit.shape);
+        edit.shape = self.shape.clone().unwrap_or(edit.shape);
         edit.highlights = self.highlights.unwrap_or(edit.highlights);
         edit.grain = self.grain.unwrap_or(edit.grain);
         edit.tilt = self.tilt_px.map_or(edit.tilt, |tilt| tilt.map(share));

@@ -2,9 +2,11 @@
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 use super::Usage;
 use crate::field::{FNumber, LensShape};
+use crate::io::opening;
 use crate::scene::OutputSize;
 
 /// Long sides of a view, in pixels.
@@ -53,7 +55,7 @@ pub fn bits(n: u8) -> Result<u8, Usage> {
     if [8, 16].contains(&n) { Ok(n) } else { Err(wanted("8 or 16 is wanted")) }
 }
 
-/// `disc`, `square`, `blades:5` … `blades:9`, `ring` or `cat-eye`.
+/// `disc`, `square`, `blades:5` … `blades:9`, `ring`, `cat-eye`, or `picture:FILE`, which is read.
 pub fn lens_shape(text: &str) -> Result<LensShape, Usage> {
     let (name, count) = text.split_once(':').unwrap_or((text, ""));
     match (name, count) {
@@ -65,7 +67,11 @@ pub fn lens_shape(text: &str) -> Result<LensShape, Usage> {
             Ok(count @ 5..=9) => Ok(LensShape::Blades { count, rotation_deg: 0.0, roundness: 0.0 }),
             _ => Err(wanted("5 to 9 blades are wanted, like blades:6")),
         },
-        _ => Err(wanted("disc, square, blades:5 to blades:9, ring or cat-eye is wanted")),
+        ("picture", file) if !file.is_empty() => match opening::read(Path::new(file)) {
+            Ok(opening) => Ok(LensShape::Picture(opening)),
+            Err(error) => Err(Usage(error.to_string())),
+        },
+        _ => Err(wanted("disc, square, blades:5 to blades:9, ring, cat-eye or picture:FILE is wanted")),
     }
 }
 
@@ -96,7 +102,7 @@ mod tests {
     fn lenses() {
         assert_eq!(lens_shape("disc"), Ok(LensShape::Disc));
         assert!(matches!(lens_shape("blades:7"), Ok(LensShape::Blades { count: 7, .. })));
-        for wrong in ["blades", "blades:4", "blades:10", "disc:2", "lens", ""] {
+        for wrong in ["blades", "blades:4", "blades:10", "disc:2", "lens", "picture:", "picture:/none.png", ""] {
             assert!(lens_shape(wrong).is_err(), "{wrong}");
         }
         assert_eq!(f_number(2.8), Ok(FNumber(2.8)));

@@ -139,7 +139,7 @@ impl Scene {
 
     /// The edit with the distance of what it focuses on.
     pub fn with_distance(&self, edit: &Edit, metres: Option<f32>) -> Edit {
-        Edit { distance: metres.map(|metres| Distance { of: edit.focus, metres }), ..*edit }
+        Edit { distance: metres.map(|metres| Distance { of: edit.focus, metres }), ..edit.clone() }
     }
 
     /// Disparity of what a focus means, as a share of the width at strength 1.

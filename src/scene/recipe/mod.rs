@@ -112,7 +112,7 @@ impl Recipe {
     /// The edit, for a photo whose disparity map is `map_width` pixels wide; only recipes of version 1 depend on that.
     pub fn edit(&self, map_width: u32) -> Edit {
         match &self.body {
-            Body::Shares(edit) => *edit,
+            Body::Shares(edit) => edit.clone(),
             Body::Pixels(edit) => edit.at_width(map_width),
         }
     }
@@ -211,7 +211,7 @@ impl Recipe {
                     keys.remove("repairs");
                 }
                 let (export, viewpoint, unit) = (self.export.clone(), edit.viewpoint, UNIT.to_owned());
-                let (lens, repairs) = (*edit, self.repairs.clone());
+                let (lens, repairs) = (edit.clone(), self.repairs.clone());
                 serde_json::to_value(Stored { version: VERSION, unit, lens, viewpoint, export, depth, repairs })
             }
         };
@@ -293,7 +293,7 @@ fn merge(old: &mut Value, new: Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::{FNumber, LensShape};
+    use crate::field::{FNumber, LensShape, Opening};
     use crate::scene::real::Distance;
 
     fn edit() -> Edit {
@@ -324,11 +324,14 @@ mod tests {
         let distance = |of| Some(Distance { of, metres: 0.5 });
         let first = Edit { distance: distance(Focus::At([0.5, 0.5])), ..edit() };
         let ring = LensShape::Ring { inner: 0.5 };
-        let second = Edit { shape: ring, focus: Focus::Disparity(1e-3), distance: distance(Focus::Subject), ..first };
-        let none = Edit { distance: None, focus: Focus::Subject, ..second };
+        let second =
+            Edit { shape: ring, focus: Focus::Disparity(1e-3), distance: distance(Focus::Subject), ..first.clone() };
+        let none = Edit { distance: None, focus: Focus::Subject, ..second.clone() };
+        let picture = LensShape::Picture(Opening::of_picture([2, 1], &[1.0, 0.5]).unwrap());
+        let drawn = Edit { shape: picture, ..none.clone() };
         let mut recipe = Recipe::default();
-        for edit in [first, second, none] {
-            recipe = Recipe::from_json(&recipe.with_edit(edit).to_json()).unwrap();
+        for edit in [first, second, none, drawn.clone(), edit(), drawn] {
+            recipe = Recipe::from_json(&recipe.with_edit(edit.clone()).to_json()).unwrap();
             assert_eq!(recipe.edit(1), edit);
         }
     }

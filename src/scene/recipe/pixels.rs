@@ -11,7 +11,7 @@ use crate::field::{Lens, Strength, ViewPoint};
 use crate::scene::{Edit, Focus};
 
 /// An edit of version 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct PixelEdit {
     lens: Lens,
     focus_at: Option<[f32; 2]>,
@@ -30,12 +30,12 @@ pub(super) struct Stored {
 
 impl Stored {
     pub(super) fn new(edit: &PixelEdit, export: &PictureSettings) -> Self {
-        let PixelEdit { lens, focus_at, viewpoint } = *edit;
+        let PixelEdit { lens, focus_at, viewpoint } = edit.clone();
         Self { lens, focus_at, viewpoint, export: export.clone() }
     }
 
     pub(super) fn edit(&self) -> PixelEdit {
-        PixelEdit { lens: self.lens, focus_at: self.focus_at, viewpoint: self.viewpoint }
+        PixelEdit { lens: self.lens.clone(), focus_at: self.focus_at, viewpoint: self.viewpoint }
     }
 }
 
@@ -88,7 +88,7 @@ mod tests {
         let unread = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
         assert!(unread(&recipe.to_json()).get("version").is_none());
         let edit = recipe.edit(540);
-        let text = recipe.with_edit(edit).to_json();
+        let text = recipe.with_edit(edit.clone()).to_json();
         let new = unread(&text);
         assert_eq!((&new["version"], &new["lens"]["swirl"]), (&2.into(), &3.into()));
         assert!(new.get("focus_at").is_none() && new["lens"].get("keep_sharp_px").is_none());

@@ -4,11 +4,12 @@ use egui::{Align2, Color32, CursorIcon, Frame, Margin, Rect, RichText, ScrollAre
 
 use super::glass;
 use super::mend;
+use super::opening;
 use super::real_lens::{self, RealLens};
 use super::source::{self, Sources};
 use super::strength;
 use super::strip::{self, Views};
-use crate::field::{FNumber, Lens, LensShape, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
+use crate::field::{FNumber, Lens, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::render::cpu::Colormap;
 use crate::render::gpu::Draw;
 use crate::repair::Repairs;
@@ -63,11 +64,11 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                 ui.set_width(theme::INSPECTOR_WIDTH - 32.0);
                 actions.extend(mend::show(mending, repairs, ui));
                 let before = open.lens(edit);
-                let mut after = before;
+                let mut after = before.clone();
                 let limit = settings.trust_percent / 100.0;
                 let limits = open.invented().map(|invented| invented.limits(limit));
                 let reads = open.scene().map(|scene| real_lens::title(scene, edit, settings));
-                lens(&mut after, settings, limits.map(|limits| limits.widest), reads, ui);
+                actions.extend(lens(&mut after, settings, limits.map(|limits| limits.widest), reads, ui));
                 open.turn(edit, &before, &after);
                 if let Some(text) = sharp::told(open, edit) {
                     ui.label(RichText::new(text).small().color(theme::palette(ui.ctx()).weak));
@@ -97,13 +98,19 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
 }
 
 /// The lens; `reads`: what real one it is.
-fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, reads: Option<String>, ui: &mut Ui) {
-    let mut shape = lens.shape;
-    let before = shape;
+fn lens(
+    lens: &mut Lens,
+    settings: &mut Settings,
+    widest: Option<FNumber>,
+    reads: Option<String>,
+    ui: &mut Ui,
+) -> Option<Action> {
+    let (mut chosen, mut action) = (None, None);
+    let shape = lens.shape.clone();
     widgets::section(
         ui,
         "Lens",
-        |ui| shape_menu(ui, &mut shape),
+        |ui| (chosen, action) = opening::menu(ui, &shape),
         |ui| {
             aperture(ui, &mut lens.f_number, widest.map(|widest| (widest, settings.trust_percent)));
             if let Some(text) = reads {
@@ -111,7 +118,7 @@ fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, reads
             }
             ui.add_space(GRID);
             focus(ui, lens);
-            shape_numbers(ui, &mut lens.shape);
+            opening::numbers(ui, &mut lens.shape);
             widgets::switch(ui, "Focus peaking", &mut settings.peaking, &Command::Peaking.tip(ui.ctx()));
             widgets::switch(ui, "Trust view", &mut settings.trust, &Command::Trust.tip(ui.ctx()));
             if settings.trust {
@@ -129,40 +136,8 @@ fn lens(lens: &mut Lens, settings: &mut Settings, widest: Option<FNumber>, reads
             }
         },
     );
-    if shape != before {
-        lens.shape = shape;
-    }
-}
-
-fn shape_menu(ui: &mut Ui, shape: &mut LensShape) {
-    let (name, _) = shape_name(*shape);
-    let all = [
-        LensShape::Disc,
-        LensShape::Square,
-        LensShape::Blades { count: 6, rotation_deg: 0.0, roundness: 0.2 },
-        LensShape::Ring { inner: 0.5 },
-        LensShape::CatEye { strength: 0.5 },
-    ];
-    let text = RichText::new(format!("{name} ▼")).small().color(theme::palette(ui.ctx()).weak);
-    ui.menu_button(text, |ui| {
-        for choice in all {
-            let (name, hint) = shape_name(choice);
-            if ui.selectable_label(shape_name(*shape).0 == name, name).on_hover_text(hint).clicked() {
-                *shape = choice;
-                ui.close();
-            }
-        }
-    });
-}
-
-fn shape_name(shape: LensShape) -> (&'static str, &'static str) {
-    match shape {
-        LensShape::Disc => ("disc", "A round lens"),
-        LensShape::Square => ("square", "The square of the light field's own views"),
-        LensShape::Blades { .. } => ("blades", "A polygon of straight blades"),
-        LensShape::Ring { .. } => ("ring", "A mirror lens"),
-        LensShape::CatEye { .. } => ("cat's eye", "A disc cut by the barrel towards the corners"),
-    }
+    lens.shape = chosen.unwrap_or_else(|| std::mem::take(&mut lens.shape));
+    action
 }
 
 /// Place of an f-number on the slider: equal steps for equal ratios.
@@ -269,51 +244,6 @@ fn focus(ui: &mut Ui, lens: &mut Lens) {
         let spec = Number { speed: 0.5, decimals: 0, suffix: " %", ..number(label, [0.0, 100.0], hint) };
         if widgets::number(ui, &mut percent, &spec) {
             *share = percent / 100.0;
-        }
-    }
-}
-
-fn shape_numbers(ui: &mut Ui, shape: &mut LensShape) {
-    let part = |label, hint| Number {
-        label,
-        range: [0.0, 1.0],
-        speed: 0.005,
-        decimals: 2,
-        prefix: "",
-        suffix: "",
-        reset: 0.5,
-        hint,
-    };
-    match shape {
-        LensShape::Disc | LensShape::Square => {}
-        LensShape::Blades { count, rotation_deg, roundness } => {
-            let mut blades = f32::from(*count);
-            let spec = Number {
-                range: LensShape::BLADES.map(f32::from),
-                speed: 0.05,
-                decimals: 0,
-                reset: 6.0,
-                ..part("Blades", "Straight edges")
-            };
-            if widgets::number(ui, &mut blades, &spec) {
-                *count = blades.round() as u8;
-            }
-            let spec = Number {
-                range: [-180.0, 180.0],
-                speed: 0.5,
-                decimals: 0,
-                suffix: "°",
-                reset: 0.0,
-                ..part("Rotation", "Turns the blades")
-            };
-            widgets::number(ui, rotation_deg, &spec);
-            widgets::number(ui, roundness, &part("Roundness", "0 straight, 1 a disc"));
-        }
-        LensShape::Ring { inner } => {
-            widgets::number(ui, inner, &Number { range: [0.0, 0.9], ..part("Hole", "Radius of the mirror's hole") });
-        }
-        LensShape::CatEye { strength } => {
-            widgets::number(ui, strength, &part("Cat's eye", "How much the barrel cuts in the corners"));
         }
     }
 }

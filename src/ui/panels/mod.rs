@@ -13,6 +13,7 @@ mod inspector;
 mod many;
 mod mend;
 mod near_end;
+mod opening;
 mod path_box;
 mod queue;
 mod real_lens;
@@ -107,7 +108,7 @@ fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -
         actions.extend(inside(ui, work, |ui| epi::show(epis, ui, [row, column, corner])));
     }
     let before = window.open.lens(&window.edit);
-    let mut after = before;
+    let mut after = before.clone();
     let shown = Ruler {
         survey: window.open.rays().map(|rays| &*rays.survey),
         lens: &mut after,

@@ -25,6 +25,7 @@ pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
             PathFor::Open => ("Open", "a photo or light field", "Open"),
             PathFor::Export => ("Export photos", "a photo", "Go on"),
             PathFor::DepthMap => ("Depth map", "a PFM or grey picture", "Use"),
+            PathFor::Opening => ("Opening of the lens", "a picture; white is open", "Use"),
             PathFor::Models => ("Models", "a folder of models", "Use"),
             PathFor::Net => ("Depth net", "an ONNX file", "Add"),
         };
@@ -61,6 +62,7 @@ fn action(wanted: PathFor, path: PathBuf) -> Action {
         PathFor::Open => Action::Open(OpenFrom::File(path)),
         PathFor::Export => Action::Show(Dialog::Export(vec![path])),
         PathFor::DepthMap => Action::Ask(Ask::ReadDepthMap(path)),
+        PathFor::Opening => Action::Ask(Ask::ReadOpening(path)),
         PathFor::Models => Action::UseModels(path),
         PathFor::Net => Action::ChangeNets(Change::Add(path)),
     }

@@ -104,7 +104,7 @@ fn lens_menu(ui: &mut Ui, scene: &Scene, edit: &mut Edit, lenses: &[KnownLens], 
             let hint = format!("f/{} … f/{}{blades}{nearest}", lens.f_numbers[0], lens.f_numbers[1]);
             if ui.button(&lens.name).on_hover_text(hint).clicked() {
                 let (f_number, is_cut) = scene.f_number_of(edit, lens, lens.f_numbers[0]);
-                *edit = Edit { f_number, shape: lens.shape(lens.f_numbers[0]), ..*edit };
+                *edit = Edit { f_number, shape: lens.shape(lens.f_numbers[0]), ..edit.clone() };
                 let title = || scene.reading(edit, format, 1).title();
                 let text = || format!("The aperture of {} is beyond what there is here: {}", lens.name, title());
                 action = is_cut.then(|| Action::Tell(text()));
