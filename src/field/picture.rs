@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
+
 use super::color::srgb8_from_linear;
 use super::{Size, Transfer, pixels};
 
@@ -86,10 +88,22 @@ impl Samples {
 
     /// Appends linear light, `[.., 3]`.
     pub fn push_linear(&mut self, rgb_linear: &[f32], transfer: &Transfer) {
-        let lights = rgb_linear.iter().enumerate();
         match self {
-            Self::Eight(px) => px.extend(lights.map(|(i, &light)| transfer.eight_from_linear(i % 3, light))),
-            Self::Sixteen(px) => px.extend(lights.map(|(i, &light)| transfer.sixteen_from_linear(i % 3, light))),
+            Self::Eight(px) => append(px, rgb_linear, |channel, light| transfer.eight_from_linear(channel, light)),
+            Self::Sixteen(px) => append(px, rgb_linear, |channel, light| transfer.sixteen_from_linear(channel, light)),
         }
     }
+}
+
+/// Appends the value of each light, by channel; on all cores.
+fn append<T: Copy + Default + Send>(values: &mut Vec<T>, rgb_linear: &[f32], value: impl Fn(usize, f32) -> T + Sync) {
+    const PIXELS: usize = 1 << 14;
+    let start = values.len();
+    values.resize(start + rgb_linear.len(), T::default());
+    let parts = values[start..].par_chunks_mut(3 * PIXELS).zip(rgb_linear.par_chunks(3 * PIXELS));
+    parts.for_each(|(values, lights)| {
+        for (pixel, light) in values.chunks_mut(3).zip(lights.chunks(3)) {
+            pixel.iter_mut().zip(light).enumerate().for_each(|(channel, (to, light))| *to = value(channel, *light));
+        }
+    });
 }

@@ -51,6 +51,20 @@ impl Behind {
         &self.cells
     }
 
+    /// Width and height of its grid.
+    pub(super) fn size(&self) -> Size {
+        self.cells.size()
+    }
+
+    /// Calls for all disparities in columns and rows of its grid, from the first to the last.
+    pub(super) fn each_disparity(&self, [columns, rows]: [[usize; 2]; 2], mut call: impl FnMut(f32)) {
+        let width = self.cells.sides()[0];
+        for y in rows[0]..=rows[1] {
+            let cells = &self.cells.pixels()[y * width..][columns[0]..=columns[1]];
+            cells.iter().filter(|cell| cell[SHARE] > 0.0).for_each(|cell| call(cell[3] / cell[SHARE]));
+        }
+    }
+
     /// Reads rows of a picture of `size` from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
         Reader { behind: self, x: Axis::new(x0, count, size[0], self.cells.size()[0]), size }

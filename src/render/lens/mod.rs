@@ -2,6 +2,7 @@
 //!
 //! * [`surfaces`](self): where one surface ends before another, at photo size.
 //! * `behind`: what goes on behind near edges.
+//! * `bounds`: how far light from where can reach.
 //! * `pixel`: both together, for each pixel.
 //! * [`kernel`]: the shape of a blurred point.
 //! * `rays`: light on its way, by pixels, or by blocks where it is spread widely.
@@ -12,6 +13,7 @@
 //! aperture and `s` the picture's pixels per pixel of the disparity map.
 
 mod behind;
+mod bounds;
 #[cfg(feature = "ui")]
 mod gpu;
 mod grain;
@@ -41,11 +43,12 @@ use crate::job::{Cancelled, Job, Stage};
 use crate::render::Picture;
 
 use behind::Behind;
+use bounds::Bounds;
 use kernel::Kernels;
 use light::Light;
 use rays::BLOCK;
 use surfaces::Surfaces;
-use tile::Optics;
+use tile::{Optics, Pool};
 
 pub use behind::Revealed;
 #[cfg(feature = "ui")]
@@ -143,7 +146,8 @@ impl Rgbd {
         let light = Light::of(&self.photo, self.space).reduced(size);
         let surfaces = Surfaces::new(self.disparity.clone(), &light);
         let behind = Behind::new(&surfaces, &light, self.behind.as_deref());
-        Prepared { size, light, surfaces, behind }
+        let bounds = Bounds::new(size, &surfaces, &behind);
+        Prepared { size, light, surfaces, behind, bounds }
     }
 }
 
@@ -153,6 +157,7 @@ pub struct Prepared {
     light: Light,
     surfaces: Surfaces,
     behind: Behind,
+    bounds: Bounds,
 }
 
 /// Renders a whole picture of `size`, at most the photo's.
@@ -200,6 +205,7 @@ impl Prepared {
         let magenta = magenta.as_ref().map(|lens| self.optics(lens));
         let grain = grain::Grain::of(&self.light, lens.grain);
         let side = tile_side(optics.reach);
+        let pool = Pool::default();
         let [width, height] = region.size;
         let columns: Vec<u32> = (0..width).step_by(side as usize).collect();
         let tops: Vec<u32> = (0..height).step_by(side as usize).collect();
@@ -212,7 +218,7 @@ impl Prepared {
                 .map(|&left| {
                     let size = [side.min(width - left), rows];
                     let tile = Region { at: [region.at[0] + left, region.at[1] + top], size };
-                    (left, self.tile(&optics, magenta.as_ref(), tile, &grain))
+                    (left, self.tile(&optics, magenta.as_ref(), tile, &grain, &pool))
                 })
                 .collect();
             job.check()?;
@@ -222,7 +228,14 @@ impl Prepared {
     }
 
     /// A tile through the lens; red and blue through another, where they are sharp elsewhere.
-    fn tile(&self, optics: &Optics, magenta: Option<&Optics>, tile: Region, grain: &grain::Grain) -> Vec<f32> {
+    fn tile(
+        &self,
+        optics: &Optics,
+        magenta: Option<&Optics>,
+        tile: Region,
+        grain: &grain::Grain,
+        pool: &Pool,
+    ) -> Vec<f32> {
         let mut out = vec![0.0; (tile.size[0] * tile.size[1] * 3) as usize];
         if optics.gain == 0.0 {
             let width = tile.size[0] as usize;
@@ -233,13 +246,15 @@ impl Prepared {
             }
             return out;
         }
-        tile::render(self, optics, tile, &mut out);
+        let mut bench = pool.take();
+        bench.render(self, optics, tile, &mut out);
         if let Some(magenta) = magenta {
             let mut other = vec![0.0; out.len()];
-            tile::render(self, magenta, tile, &mut other);
+            bench.render(self, magenta, tile, &mut other);
             let pixels = out.chunks_exact_mut(3).zip(other.chunks_exact(3));
             pixels.for_each(|(pixel, other)| (pixel[0], pixel[2]) = (other[0], other[2]));
         }
+        pool.give(bench);
         grain.add(self, optics, tile, &mut out);
         out
     }

@@ -11,7 +11,7 @@ pub(super) const LEVELS: usize = 5;
 /// Side of the largest block.
 pub(super) const BLOCK: usize = 1 << (LEVELS - 1);
 /// From this blur diameter on, blocks of a level may become one ray: eight cells and more across.
-const COARSE_PX: [f32; LEVELS] = [0.0, 16.0, 36.0, 72.0, 144.0];
+pub(super) const COARSE_PX: [f32; LEVELS] = [0.0, 16.0, 36.0, 72.0, 144.0];
 /// Blur may differ by this part within a block.
 const SAME_BLUR: f32 = 0.06;
 /// Blur diameters below this leave a pixel as it is.
@@ -71,9 +71,26 @@ pub(super) struct Slices {
 }
 
 impl Slices {
-    pub(super) fn new(at: [i32; 2], size: [i32; 2], finest: f32) -> Self {
+    pub(super) fn new() -> Self {
         let empty = || std::array::from_fn(|_| Vec::new());
-        Self { rays: std::iter::repeat_with(empty).take(2 * MIDDLE as usize + 1).collect(), at, size, finest }
+        let rays = std::iter::repeat_with(empty).take(2 * MIDDLE as usize + 1).collect();
+        Self { rays, at: [0; 2], size: [0; 2], finest: 1.0 }
+    }
+
+    /// Begins another tile.
+    pub(super) fn begin(&mut self, at: [i32; 2], size: [i32; 2], finest: f32) {
+        self.rays.iter_mut().flatten().for_each(Vec::clear);
+        (self.at, self.size, self.finest) = (at, size, finest);
+    }
+
+    /// Sends light that stays in its pixel, in or around the tile.
+    #[inline]
+    pub(super) fn stay(&mut self, place: [i32; 2], [r, g, b]: [f32; 3]) {
+        let [x, y] = [0, 1].map(|axis| place[axis] - self.at[axis]);
+        if (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y) {
+            let ray = Ray { x: x as i16, y: y as i16, kernel: 0, flipped: false, light: [r, g, b, 1.0] };
+            self.rays[MIDDLE as usize][0].push(ray);
+        }
     }
 
     /// Sends a block of pixels whose upper left one is at `place`, `[y, x]` of [`BLOCK`]² pieces.
@@ -172,7 +189,8 @@ mod tests {
     use super::*;
 
     fn sent(piece: impl Fn(usize, usize) -> Piece) -> Vec<(usize, Ray)> {
-        let mut slices = Slices::new([0, 0], [16, 16], 1.0);
+        let mut slices = Slices::new();
+        slices.begin([0, 0], [16, 16], 1.0);
         let mut block: Vec<Piece> = (0..BLOCK * BLOCK).map(|i| piece(i % BLOCK, i / BLOCK)).collect();
         slices.send_block([0, 0], &mut block);
         let with_level = |lists: [Vec<Ray>; LEVELS]| {

@@ -12,6 +12,7 @@ pub(super) struct Spread {
     /// Light that stays in its pixel; not as differences, so that it stays exact.
     still: Vec<[f32; 4]>,
     still_rows: [usize; 2],
+    still_columns: [usize; 2],
 }
 
 /// The grid of one level.
@@ -30,8 +31,12 @@ struct Sheet {
     /// First and last row that rays reach, and that there is light in after the sum.
     rows: [usize; 2],
     filled: [usize; 2],
+    /// First and last column of both.
+    columns: [usize; 2],
+    filled_columns: [usize; 2],
 }
 
+/// An empty range of rows or columns.
 const NO_ROWS: [usize; 2] = [usize::MAX, 0];
 
 fn is_none(rows: [usize; 2]) -> bool {
@@ -43,22 +48,38 @@ fn both(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
 }
 
 impl Spread {
-    pub(super) fn new(region: Region) -> Self {
+    pub(super) fn new() -> Self {
+        let sheets = std::array::from_fn(|level| Sheet {
+            level,
+            at: [0; 2],
+            size: [0; 2],
+            shift: [0; 2],
+            steps: Vec::new(),
+            sums: Vec::new(),
+            rows: NO_ROWS,
+            filled: NO_ROWS,
+            columns: NO_ROWS,
+            filled_columns: NO_ROWS,
+        });
+        Self { sheets, still: Vec::new(), still_rows: NO_ROWS, still_columns: NO_ROWS }
+    }
+
+    /// Begins another tile. All grids are empty then: each slice clears what it has put there.
+    pub(super) fn begin(&mut self, region: Region) {
         let at = region.at.map(|at| at as i32);
         let (mut first, mut size) = (at, sides(region.size));
-        let sheets = std::array::from_fn(|level| {
+        for (level, sheet) in self.sheets.iter_mut().enumerate() {
             if level > 0 {
                 let last = [0, 1].map(|a| ((first[a] + size[a] as i32 - 1) >> 1) + 1);
                 first = first.map(|f| (f >> 1) - 1);
                 size = [0, 1].map(|a| (last[a] - first[a] + 1) as usize);
             }
-            let shift = [0, 1].map(|a| (at[a] >> level) - first[a]);
-            let sums = if level > 0 { vec![[0.0; 4]; size[0] * size[1]] } else { Vec::new() };
-            let steps = vec![[0.0; 4]; (size[0] + 2) * size[1]];
-            Sheet { level, at: first, size, shift, steps, sums, rows: NO_ROWS, filled: NO_ROWS }
-        });
-        let still = vec![[0.0; 4]; (region.size[0] * region.size[1]) as usize];
-        Self { sheets, still, still_rows: NO_ROWS }
+            (sheet.at, sheet.size) = (first, size);
+            sheet.shift = [0, 1].map(|a| (at[a] >> level) - first[a]);
+            sheet.sums.resize(if level > 0 { size[0] * size[1] } else { 0 }, [0.0; 4]);
+            sheet.steps.resize((size[0] + 2) * size[1], [0.0; 4]);
+        }
+        self.still.resize((region.size[0] * region.size[1]) as usize, [0.0; 4]);
     }
 
     /// Spreads a slice and puts it behind what is there; the last number of `front` is how much is left to cover.
@@ -86,6 +107,7 @@ impl Spread {
         if x < width && y < height {
             add(&mut self.still[y * width + x], &ray.light, 1.0);
             self.still_rows = both(self.still_rows, [y, y]);
+            self.still_columns = both(self.still_columns, [x, x]);
         }
     }
 
@@ -93,19 +115,23 @@ impl Spread {
         let [finest, coarse, ..] = &self.sheets;
         let [width, height] = finest.size;
         let mut rows = both(finest.rows, self.still_rows);
+        let mut columns = both(finest.columns, self.still_columns);
         if !is_none(coarse.filled) {
-            rows = both(rows, finest.rows_under(coarse));
+            rows = both(rows, finest.under(coarse, coarse.filled, 1));
+            columns = both(columns, finest.under(coarse, coarse.filled_columns, 0));
         }
         if is_none(rows) {
             return;
         }
-        let mut upper = vec![[0.0; 4]; width];
+        // Left of the first column there is no light, and right of the last one none is left.
+        let (first, end) = (columns[0].min(width), (columns[1] + 1).min(width));
+        let mut upper = vec![[0.0; 4]; end - first];
         for y in rows[0]..=rows[1].min(height - 1) {
             let mut sum = [0.0; 4];
-            finest.interpolated(coarse, y, &mut upper);
-            let steps = &finest.steps[y * (width + 2)..][..width];
-            let still = &self.still[y * width..][..width];
-            let front = &mut front[y * width..][..width];
+            finest.interpolated(coarse, y, first, &mut upper);
+            let steps = &finest.steps[y * (width + 2)..][first..end];
+            let still = &self.still[y * width..][first..end];
+            let front = &mut front[y * width..][first..end];
             for (((pixel, step), still), upper) in front.iter_mut().zip(steps).zip(still).zip(&upper) {
                 add(&mut sum, step, 1.0);
                 put(pixel, std::array::from_fn(|c| sum[c] + still[c] + upper[c]));
@@ -115,12 +141,10 @@ impl Spread {
 
     fn clear(&mut self) {
         self.sheets.iter_mut().for_each(Sheet::clear);
-        let [first, last] = self.still_rows;
-        if first <= last {
-            let width = self.sheets[0].size[0];
-            self.still[first * width..(last + 1) * width].fill([0.0; 4]);
+        if !is_none(self.still_rows) {
+            cleared(&mut self.still, self.sheets[0].size[0], self.still_rows, self.still_columns);
         }
-        self.still_rows = NO_ROWS;
+        [self.still_rows, self.still_columns] = [NO_ROWS; 2];
     }
 }
 
@@ -148,12 +172,10 @@ fn closed(cover: f32) -> f32 {
 
 impl Sheet {
     fn clear(&mut self) {
-        let [first, last] = self.rows;
-        if first <= last {
-            let wide = self.size[0] + 2;
-            self.steps[first * wide..(last + 1) * wide].fill([0.0; 4]);
+        if !is_none(self.rows) {
+            cleared(&mut self.steps, self.size[0] + 2, self.rows, self.columns);
         }
-        [self.rows, self.filled] = [NO_ROWS; 2];
+        [self.rows, self.filled, self.columns, self.filled_columns] = [NO_ROWS; 4];
     }
 
     fn add(&mut self, ray: &Ray, optics: &Optics) {
@@ -172,6 +194,8 @@ impl Sheet {
         self.rows = both(self.rows, [(first.dy + y) as usize, (last.dy + y) as usize]);
         let wide = self.size[0] + 2;
         let top = (first.dy + y) as usize * wide;
+        let column = |at: i32| at.clamp(0, width + 1) as usize;
+        self.columns = both(self.columns, [column(x - reach), column(x + reach)]);
         let inside = x >= reach && x + reach < width;
         for span in spans {
             let start = top + (span.dy - first.dy) as usize * wide;
@@ -181,22 +205,22 @@ impl Sheet {
                 step(row, (span.end.0 + x) as usize, &ray.light, span.end.1.map(|p| -p));
                 continue;
             }
-            let column = |at: i32| (at + x).clamp(0, width + 1) as usize;
             let (at, parts) = span.begin;
-            add(&mut row[column(at)], &ray.light, parts[0]);
-            add(&mut row[column(at + 1)], &ray.light, parts[1]);
+            add(&mut row[column(at + x)], &ray.light, parts[0]);
+            add(&mut row[column(at + 1 + x)], &ray.light, parts[1]);
             let (at, parts) = span.end;
-            add(&mut row[column(at)], &ray.light, -parts[0]);
-            add(&mut row[column(at + 1)], &ray.light, -parts[1]);
+            add(&mut row[column(at + x)], &ray.light, -parts[0]);
+            add(&mut row[column(at + 1 + x)], &ray.light, -parts[1]);
         }
     }
 
     /// Sums the differences up, with the coarser level's light between its cells.
     fn sum_up(&mut self, coarser: Option<&Self>) {
         let [width, height] = self.size;
-        self.filled = self.rows;
+        [self.filled, self.filled_columns] = [self.rows, self.columns];
         if let Some(coarser) = coarser.filter(|c| !is_none(c.filled)) {
-            self.filled = both(self.filled, self.rows_under(coarser));
+            self.filled = both(self.filled, self.under(coarser, coarser.filled, 1));
+            self.filled_columns = both(self.filled_columns, self.under(coarser, coarser.filled_columns, 0));
         }
         if is_none(self.filled) {
             return;
@@ -206,7 +230,7 @@ impl Sheet {
         for y in self.filled[0]..=self.filled[1] {
             let sums = &mut sums[y * width..][..width];
             match coarser {
-                Some(coarser) => self.interpolated(coarser, y, sums),
+                Some(coarser) => self.interpolated(coarser, y, 0, sums),
                 None => sums.fill([0.0; 4]),
             }
             let mut sum = [0.0; 4];
@@ -218,17 +242,17 @@ impl Sheet {
         self.sums = sums;
     }
 
-    /// Rows that a coarser level's light reaches.
-    fn rows_under(&self, coarser: &Self) -> [usize; 2] {
-        let [first, last] = coarser.filled;
-        let fine = |row: usize| (coarser.at[1] + row as i32) * 2 - self.at[1];
-        let top = self.size[1] as i32 - 1;
+    /// Rows, or columns, that a coarser level's light reaches from its own.
+    fn under(&self, coarser: &Self, [first, last]: [usize; 2], axis: usize) -> [usize; 2] {
+        let fine = |at: usize| (coarser.at[axis] + at as i32) * 2 - self.at[axis];
+        let top = self.size[axis] as i32 - 1;
         [(fine(first) - 1).clamp(0, top) as usize, (fine(last) + 2).clamp(0, top) as usize]
     }
 
-    /// A row of the coarser level's light between its cells: three parts of the cell, one of its neighbour.
-    fn interpolated(&self, coarser: &Self, y: usize, out: &mut [[f32; 4]]) {
-        let y = self.at[1] + y as i32;
+    /// A row of the coarser level's light from a column on, between its cells: three parts of the cell, one of its
+    /// neighbour.
+    fn interpolated(&self, coarser: &Self, y: usize, first: usize, out: &mut [[f32; 4]]) {
+        let (first, y) = (self.at[0] + first as i32, self.at[1] + y as i32);
         let row = |at: i32| {
             let at = at - coarser.at[1];
             let is_filled = at >= coarser.filled[0].min(i32::MAX as usize) as i32 && at <= coarser.filled[1] as i32;
@@ -238,8 +262,8 @@ impl Sheet {
         out.fill([0.0; 4]);
         for (row, share) in rows {
             let Some(row) = row else { continue };
-            let mut cell = ((self.at[0] >> 1) - coarser.at[0]) as usize;
-            let mut odd = self.at[0] & 1 == 1;
+            let mut cell = ((first >> 1) - coarser.at[0]) as usize;
+            let mut odd = first & 1 == 1;
             for out in out.iter_mut() {
                 let beside = if odd { &row[cell + 1] } else { &row[cell - 1] };
                 let own = &row[cell];
@@ -250,6 +274,14 @@ impl Sheet {
                 odd = !odd;
             }
         }
+    }
+}
+
+/// Empties a part of a grid of `wide` columns.
+fn cleared(grid: &mut [[f32; 4]], wide: usize, rows: [usize; 2], columns: [usize; 2]) {
+    let end = (columns[1] + 1).min(wide);
+    for row in grid.chunks_exact_mut(wide).take(rows[1] + 1).skip(rows[0]) {
+        row[columns[0].min(end)..end].fill([0.0; 4]);
     }
 }
 

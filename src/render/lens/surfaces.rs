@@ -102,6 +102,26 @@ impl Surfaces {
         self.map.range_px()
     }
 
+    /// Width and height of the grid of edge models.
+    pub(super) fn cells_size(&self) -> Size {
+        self.cells.size()
+    }
+
+    /// Calls for all disparities in columns and rows, from the first to the last: those of the map, and of the edges' grid.
+    pub(super) fn each_disparity(&self, parts: [[[usize; 2]; 2]; 2], mut call: impl FnMut(f32)) {
+        let [columns, rows] = parts[0];
+        let width = self.map.size()[0] as usize;
+        for y in rows[0]..=rows[1] {
+            self.map.disparity_px()[y * width..][columns[0]..=columns[1]].iter().for_each(|px| call(*px));
+        }
+        let [columns, rows] = parts[1];
+        let width = self.cells.sides()[0];
+        for y in rows[0]..=rows[1] {
+            let cells = &self.cells.pixels()[y * width..][columns[0]..=columns[1]];
+            cells.iter().flat_map(|cell| [cell[NEAR], cell[FAR]]).for_each(&mut call);
+        }
+    }
+
     /// Reads rows of pixels of a picture of `size`, from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
         let map_x = Axis::new(x0, count, size[0], self.map.size()[0]);

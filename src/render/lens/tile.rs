@@ -5,10 +5,14 @@
 //! Pixels that are neighbours on one surface divide the coverage between them, so slices of one slanted surface add up
 //! to 1 as they should, where multiplying coverages would let the background through.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::Prepared;
 use super::behind::Hidden;
+use super::bounds::reaches;
 use super::kernel::Kernels;
-use super::rays::{BLOCK, Piece, SHARP_PX, Slices, slice_of};
+use super::pixel::{Reader, Row};
+use super::rays::{BLOCK, LEVELS, Piece, SHARP_PX, Slices, slice_of};
 use super::spread::Spread;
 use super::surfaces::{MIXTURE, Seen};
 use crate::field::{Lens, ramp};
@@ -42,60 +46,128 @@ impl Optics<'_> {
     }
 }
 
-/// Renders a region; `out` is `[y, x, 3]`.
-pub(super) fn render(picture: &Prepared, optics: &Optics, region: Region, out: &mut [f32]) {
-    let slices = gather(picture, optics, region);
-    let mut front = vec![[0.0, 0.0, 0.0, 1.0f32]; (region.size[0] * region.size[1]) as usize];
-    let mut spread = Spread::new(region);
-    for rays in slices.rays.iter().rev().filter(|lists| lists.iter().any(|rays| !rays.is_empty())) {
-        spread.put_behind(rays, optics, &mut front);
+/// What a thread renders tiles with, kept from tile to tile: fresh memory costs more than what is put into it.
+pub(super) struct Bench {
+    slices: Slices,
+    spread: Spread,
+    front: Vec<[f32; 4]>,
+    colors: Vec<[f32; 3]>,
+}
+
+/// Benches that no thread works at.
+#[derive(Default)]
+pub(super) struct Pool(Mutex<Vec<Bench>>);
+
+impl Pool {
+    pub(super) fn take(&self) -> Bench {
+        let free = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let new = || Bench { slices: Slices::new(), spread: Spread::new(), front: Vec::new(), colors: Vec::new() };
+        free.unwrap_or_else(new)
     }
-    for (pixel, [r, g, b, left]) in out.chunks_exact_mut(3).zip(&front) {
-        let covered = 1.0 - left;
-        let share = if covered > 0.0 { 1.0 / covered } else { 0.0 };
-        pixel.copy_from_slice(&[r * share, g * share, b * share]);
+
+    pub(super) fn give(&self, bench: Bench) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(bench);
     }
 }
 
-/// All light that reaches a region, block by block of the picture's grid.
-fn gather(picture: &Prepared, optics: &Optics, region: Region) -> Slices {
-    let side = BLOCK as i32;
-    let from = region.at.map(|at| (at as i32 - optics.reach).div_euclid(side) * side);
-    let to = [0, 1].map(|a| (region.at[a] + region.size[a]) as i32 + optics.reach);
-    let count = ((to[0] - from[0]) as usize).next_multiple_of(BLOCK);
-    let [at, size] = [region.at, region.size].map(|pair| pair.map(|v| v as i32));
-    let mut slices = Slices::new(at, size, optics.kernels.finest());
-    let reader = picture.reader(from[0], count);
-    let mut colors = vec![[0.0; 3]; count * BLOCK];
-    let mut before = [Piece::default(); BLOCK * BLOCK];
-    let mut after = [Piece::default(); BLOCK * BLOCK];
-    for top in (from[1]..to[1]).step_by(BLOCK) {
-        let rows: [_; BLOCK] = std::array::from_fn(|y| {
-            picture.light.row(from[0], top + y as i32, &mut colors[y * count..][..count]);
-            reader.at_row(top + y as i32)
-        });
-        for left in (0..count).step_by(BLOCK) {
-            let at = [from[0] + left as i32, top];
-            let mut any_behind = false;
-            for (y, row) in rows.iter().enumerate() {
-                for x in 0..BLOCK {
-                    let i = left + x;
-                    let color = colors[y * count + i];
-                    let (seen, hidden) = reader.at(row, i, &color);
-                    let place = [at[0] + x as i32, at[1] + y as i32];
-                    let [first, second] = pieces(optics, place, color, seen, hidden);
-                    any_behind |= !second.is_empty();
-                    before[y * BLOCK + x] = first;
-                    after[y * BLOCK + x] = second;
-                }
+impl Bench {
+    /// Renders a region; `out` is `[y, x, 3]`.
+    pub(super) fn render(&mut self, picture: &Prepared, optics: &Optics, region: Region, out: &mut [f32]) {
+        self.gather(picture, optics, region);
+        self.front.clear();
+        self.front.resize((region.size[0] * region.size[1]) as usize, [0.0, 0.0, 0.0, 1.0]);
+        self.spread.begin(region);
+        let lit = |lists: &&[Vec<_>; LEVELS]| lists.iter().any(|rays| !rays.is_empty());
+        for rays in self.slices.rays.iter().rev().filter(lit) {
+            self.spread.put_behind(rays, optics, &mut self.front);
+        }
+        for (pixel, [r, g, b, left]) in out.chunks_exact_mut(3).zip(&self.front) {
+            let covered = 1.0 - left;
+            let share = if covered > 0.0 { 1.0 / covered } else { 0.0 };
+            pixel.copy_from_slice(&[r * share, g * share, b * share]);
+        }
+    }
+
+    /// All light that reaches a region, block by block of the picture's grid.
+    fn gather(&mut self, picture: &Prepared, optics: &Optics, region: Region) {
+        let side = BLOCK as i32;
+        let from = region.at.map(|at| (at as i32 - optics.reach).div_euclid(side) * side);
+        let to = [0, 1].map(|a| (region.at[a] + region.size[a]) as i32 + optics.reach);
+        let count = ((to[0] - from[0]) as usize).next_multiple_of(BLOCK);
+        let [at, size] = [region.at, region.size].map(|pair| pair.map(|v| v as i32));
+        self.slices.begin(at, size, optics.kernels.finest());
+        let reader = picture.reader(from[0], count);
+        let mut widest = vec![None; count / BLOCK];
+        for top in (from[1]..to[1]).step_by(BLOCK) {
+            // Of each block how much it is blurred, where its light reaches the region.
+            for (block, widest) in widest.iter_mut().enumerate() {
+                let place = [from[0] + (block * BLOCK) as i32, top];
+                let px = picture.bounds.widest_px(optics, place);
+                *widest = reaches(place, px, region, optics.kernels.finest()).then_some(px);
             }
-            slices.send_block(at, &mut before);
-            if any_behind {
-                slices.send_block(at, &mut after);
+            let Some(first) = widest.iter().position(Option::is_some) else { continue };
+            let last = widest.iter().rposition(Option::is_some).unwrap_or(first);
+            let (left, wide) = (first * BLOCK, (last + 1 - first) * BLOCK);
+            self.colors.resize(wide * BLOCK, [0.0; 3]);
+            for (y, colors) in (top..).zip(self.colors.chunks_exact_mut(wide)) {
+                picture.light.row(from[0] + left as i32, y, colors);
+            }
+            let rows = std::array::from_fn(|y| reader.at_row(top + y as i32));
+            for (block, widest) in widest.iter().enumerate().filter_map(|(i, px)| Some((i, (*px)?))) {
+                let place = [from[0] + (block * BLOCK) as i32, top];
+                let colors = Colors { px: &self.colors[block * BLOCK - left..], wide };
+                if widest < STILL_PX {
+                    colors.each(|[x, y], color| self.slices.stay([place[0] + x as i32, place[1] + y as i32], color));
+                } else {
+                    send(&mut self.slices, optics, &reader, &rows, place, block * BLOCK, colors);
+                }
             }
         }
     }
-    slices
+}
+
+/// Blocks in which nothing is blurred more than this are the photo itself: between two surfaces in them there is no edge.
+const STILL_PX: f32 = 0.2;
+
+/// Colours of a block: its first, in rows of `wide`.
+struct Colors<'a> {
+    px: &'a [[f32; 3]],
+    wide: usize,
+}
+
+impl Colors<'_> {
+    fn each(&self, mut call: impl FnMut([usize; 2], [f32; 3])) {
+        for y in 0..BLOCK {
+            let row = &self.px[y * self.wide..][..BLOCK];
+            row.iter().enumerate().for_each(|(x, color)| call([x, y], *color));
+        }
+    }
+}
+
+/// Sends the light of a block, which begins at `place` and at column `left` of the reader.
+fn send(
+    slices: &mut Slices,
+    optics: &Optics,
+    reader: &Reader,
+    rows: &[Row; BLOCK],
+    place: [i32; 2],
+    left: usize,
+    colors: Colors,
+) {
+    let mut before = [Piece::default(); BLOCK * BLOCK];
+    let mut after = [Piece::default(); BLOCK * BLOCK];
+    let mut any_behind = false;
+    colors.each(|[x, y], color| {
+        let (seen, hidden) = reader.at(&rows[y], left + x, &color);
+        let [first, second] = pieces(optics, [place[0] + x as i32, place[1] + y as i32], color, seen, hidden);
+        any_behind |= !second.is_empty();
+        before[y * BLOCK + x] = first;
+        after[y * BLOCK + x] = second;
+    });
+    slices.send_block(place, &mut before);
+    if any_behind {
+        slices.send_block(place, &mut after);
+    }
 }
 
 /// Light of one pixel: from its near side, and from what goes on behind that.
