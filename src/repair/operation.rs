@@ -22,6 +22,8 @@ const FOOT: f32 = 0.1;
 const SAME: f32 = 0.06;
 /// Steps to a neighbour that are none, and that are one for sure, as parts of the range.
 const NO_STEP: [f32; 2] = [0.03, 0.08];
+/// Rim that is farther from the click than this, as a share of the longer side, counts less than half.
+const CLOSE: f32 = 0.06;
 /// Places of a neighbour that its depth is taken from.
 const TAKEN: usize = 96;
 
@@ -48,7 +50,7 @@ pub(super) fn perform(mender: &mut Mender, mask: &Mask, clicked: Option<usize>, 
                 put(mender, mask, |i| plane.at((i % width) as f32, (i / width) as f32));
             }
         }
-        Operation::Join => join(mender, mask, middle),
+        Operation::Join => join(mender, mask, clicked, middle),
     }
 }
 
@@ -122,15 +124,16 @@ struct Neighbour {
     share: f32,
 }
 
-/// The thing takes the depth of the neighbour that goes on in the same colours at another depth. Of each of its pixels
+/// The thing takes the depth of the neighbour that goes on in the same colours at another depth; where two do, that of
+/// the one beside the click. Of each of its pixels
 /// the near places of the neighbour count most.
-fn join(mender: &mut Mender, mask: &Mask, middle: f32) {
+fn join(mender: &mut Mender, mask: &Mask, clicked: Option<usize>, middle: f32) {
     let mut found = beside(mender, mask, middle);
     let best = found.iter().map(|place| place.share).fold(0.0, f32::max);
     found.retain(|place| place.share > 0.25 * best);
-    let Some(disparity_px) = fit::median(found.iter().map(|place| place.disparity_px).collect()) else { return };
     // One neighbour, not two on either side.
     let most = 0.25 * mender.range_px();
+    let Some(disparity_px) = meant(mender, &found, clicked, most) else { return };
     found.retain(|place| (place.disparity_px - disparity_px).abs() < most);
     let every = found.len().div_ceil(TAKEN).max(1);
     let taken: Vec<Neighbour> = found.into_iter().step_by(every).collect();
@@ -145,6 +148,24 @@ fn join(mender: &mut Mender, mask: &Mask, middle: f32) {
         }
         if total > 0.0 { sum / total } else { disparity_px }
     });
+}
+
+/// The depth of the neighbour that is meant: the one that the thing has most rim in common with, beside the click more
+/// than elsewhere. Depths less than `most` apart are of one neighbour.
+fn meant(mender: &Mender, found: &[Neighbour], clicked: Option<usize>, most: f32) -> Option<f32> {
+    let width = mender.sides()[0];
+    let close = (CLOSE * mender.long_px()).powi(2);
+    let weight = |place: &Neighbour| {
+        let away = clicked
+            .map_or(0.0, |i| ((i % width) as f32 - place.at[0]).powi(2) + ((i / width) as f32 - place.at[1]).powi(2));
+        place.share / (1.0 + away / close)
+    };
+    let some: Vec<(f32, f32)> =
+        found.iter().step_by(found.len().div_ceil(4 * TAKEN).max(1)).map(|p| (p.disparity_px, weight(p))).collect();
+    let around = |at: f32| some.iter().filter(move |(d, _)| (d - at).abs() < most / 2.0);
+    let common = |at: f32| around(at).map(|(_, weight)| weight).sum::<f32>();
+    let (middle, _) = some.iter().copied().max_by(|a, b| common(a.0).total_cmp(&common(b.0)))?;
+    fit::median(around(middle).map(|(d, _)| *d).collect())
 }
 
 /// What lies beside a thing at another depth.

@@ -115,6 +115,23 @@ fn half_a_petal_given_to_the_sky_joins_the_other_half() {
 }
 
 #[test]
+fn between_two_neighbours_of_its_colour_a_thing_joins_the_one_that_was_clicked_beside() {
+    // A strip of one colour from left to right: near at the left, far at the right, and a part between at neither depth.
+    let strip = |x: f32, y: f32| match x {
+        _ if (y - 0.5).abs() > 0.1 => ([0.2, 0.3, 0.5], -0.8),
+        x if x < 0.5 => (PETAL, 0.6),
+        _ => (PETAL, -0.2),
+    };
+    let part = |x: f32, y: f32| (0.35..0.65).contains(&x) && (y - 0.5).abs() < 0.1;
+    let scene = Scene::new(strip, |x, y, d| if part(x, y) { 0.2 } else { d });
+    for (x, wanted) in [(0.39, 0.6), (0.61, -0.2)] {
+        let mended = scene.mended(&[click([x, 0.5], 0.3, Operation::Join)]);
+        let places = [0.4, 0.5, 0.6].map(|x| mended.at((x * WIDTH) as u32, SIZE[1] / 2));
+        assert!(places.iter().all(|d| (d - wanted).abs() < 0.1), "clicked at {x}: {places:?}");
+    }
+}
+
+#[test]
 fn a_whole_petal_is_dragged_from_the_sky_by_its_epipolar_line_or_a_lasso() {
     let [px, py] = petal_place();
     let is_petal = move |x: f32, y: f32| {

@@ -90,7 +90,7 @@ mod tests {
     use std::sync::Mutex;
 
     use super::*;
-    use crate::field::ViewIndex;
+    use crate::field::{Strength, ViewIndex};
     use crate::io::formats::depth_map::GivenDepth;
     use crate::job::{Cancel, Sink};
     use crate::repair::{Operation, Region, Repair};
@@ -159,6 +159,34 @@ mod tests {
         let back = mended.mended(&twice, &job).unwrap().mended(&twice.without(1), &job).unwrap();
         assert_eq!(back.map(), mended.map());
         assert_eq!(back.made_views().unwrap().field, mended.made_views().unwrap().field);
+    }
+
+    #[test]
+    fn at_another_strength_a_repair_moves_the_same_thing_as_much_more() {
+        let (subject, strong) = (subject(), Strength(2.0));
+        let list = repairs(&subject);
+        let job = Job { cancel: &Cancel::default(), sink: &() };
+        let (mended, _) = scene(&subject, &list, Need::Views);
+        let made = |repairs: &Repairs| {
+            let how = Making { strength: Some(strong), ..making(repairs.clone()) };
+            Maker::default().scene(&subject, &how, Need::Views, &job).unwrap()
+        };
+        let (deep, plain) = (made(&list), made(&Repairs::default()));
+        let is_double = |one: &[f32], two: &[f32]| one.iter().zip(two).all(|(one, two)| (two - 2.0 * one).abs() < 1e-4);
+        assert!(is_double(mended.map().disparity_px(), deep.map().disparity_px()));
+        let views = [&mended, &deep, &plain].map(|scene| scene.made_views().unwrap());
+        assert!(is_double(views[0].depths.reference(), views[1].depths.reference()));
+        assert_eq!(views[0].field.reference(), views[1].field.reference());
+        let view = |at: usize, u| views[at].field.view(ViewIndex { v: 4, u }).rgba();
+        let apart = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| u32::from(a.abs_diff(*b))).sum::<u32>();
+        // One step at twice the strength is two steps at once; and other views follow the repair.
+        assert!(apart(view(1, 5), view(0, 6)) * 2 < apart(view(1, 5), view(0, 5)));
+        assert!(apart(view(1, 5), view(0, 6)) < apart(view(2, 5), view(0, 6)));
+        // What was mended at a strength is what was mended without.
+        let back = deep.at_strength(Strength::AS_MADE, &making(list.clone()), Need::Views, &job).unwrap();
+        assert_eq!(back.map(), mended.map());
+        let again = deep.mended(&list, &job).unwrap().at_strength(strong, &making(list), Need::Map, &job).unwrap();
+        assert_eq!(again.map(), deep.map());
     }
 
     #[test]

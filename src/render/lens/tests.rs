@@ -1,5 +1,7 @@
 //! What the picture must be, on scenes whose truth is known.
 
+mod depth;
+
 use super::*;
 use crate::field::color::{linear_from_srgb, srgb_from_linear, srgb8_from_linear, srgb16_from_linear};
 use crate::field::{FNumber, FocalPlane, LensShape, Metadata, PhotoPixels, ViewOffset, ViewPoint};
@@ -323,57 +325,6 @@ fn r6_agrees_with_shift_and_add_of_the_light_field() {
             let out = take(&photo, map(size, |x, y| see(x, y).disparity), &focused(focus));
             let psnr = psnr(&out, &added(&layers, size, focus));
             assert!(psnr >= 44.0, "{count} layers, focus {focus}: {psnr} dB");
-        }
-    }
-}
-
-/// A map as a net makes it: every edge `off` pixels to the right, and 5 % of the map at a wrong depth, in specks.
-fn imperfect(size: [u32; 2], off: f32, truth: impl Fn(f32, f32) -> f32) -> DisparityMap {
-    map(size, |x, y| {
-        let speck = |seed: u32| hash(x as i32 / 2, y as i32 / 2, seed);
-        let wrong = if speck(11) < 0.05 { 0.6 * (speck(12) - 0.5) } else { 0.0 };
-        truth(x - off, y) + wrong
-    })
-}
-
-#[test]
-fn a_step_of_imperfect_depth_is_hardly_another_picture() {
-    let size = [128, 128];
-    let mut layers = layers(2);
-    layers[0].disparity = 0.6;
-    layers[0].covers = |x, y| x + 0.2 * y < 70.0;
-    let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
-    let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    for (focus, off) in [0.6, -0.6, 0.0].into_iter().flat_map(|focus| [-2.0, 2.0].map(|off| (focus, off))) {
-        let out = take(&photo, imperfect(size, off, |x, y| see(x, y).disparity), &focused(focus));
-        let psnr = psnr(&out, &added(&layers, size, focus));
-        assert!(psnr >= 38.0, "focus {focus}, edge {off} px off: {psnr} dB");
-    }
-}
-
-#[test]
-fn no_block_is_blurred_more_than_its_bound() {
-    let size = [128, 112];
-    let layers = layers(3);
-    let see = |x: f32, y: f32| nearest(&layers, x, y, [0.0; 2], 0.0);
-    let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    let scene = Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
-    let focus = FocalPlane { disparity_px: 0.3, tilt_px: [0.5, -0.2] };
-    let lens = Lens { focus, curve_px: 0.3, keep_sharp_px: [0.0, 0.1], ..Lens::default() };
-    let optics = scene.optics(&lens);
-    let reader = scene.reader(-32, 192);
-    for y in -32..144 {
-        let row = reader.at_row(y);
-        let mut colors = vec![[0.0; 3]; 192];
-        scene.light.row(-32, y, &mut colors);
-        for (i, color) in colors.iter().enumerate() {
-            let (seen, hidden) = reader.at(&row, i, color);
-            let x = i as i32 - 32;
-            let place = [x, y].map(|at| at.div_euclid(BLOCK as i32) * BLOCK as i32);
-            let bound = scene.bounds.widest_px(&optics, place) + bounds::SLACK_PX;
-            let all = [Some(seen.near_px), Some(seen.far_px), hidden.map(|hidden| hidden.disparity_px)];
-            let widest = all.into_iter().flatten().map(|px| optics.blur(px, x, y).abs()).fold(0.0, f32::max);
-            assert!(widest <= bound, "{x}, {y}: {widest}, bound to {bound}");
         }
     }
 }

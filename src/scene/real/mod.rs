@@ -217,8 +217,23 @@ fn given(scene: &Scene, measured: Option<Metric>, distance: &Distance) -> Option
 impl Reading {
     /// "26 mm f/1.8 on full frame".
     pub fn title(&self) -> String {
+        format!("{:.0} mm f/{} on {}", self.focal_mm, self.f(), self.format)
+    }
+
+    /// The same in a line that says what of it is assumed: "f/3.5 on full frame, if taken with 28 mm".
+    pub fn headline(&self) -> String {
+        let (format, mm) = (self.format, self.focal_mm);
+        let title = match self.focal_is_known {
+            true => self.title(),
+            false => format!("f/{} on {format}, if taken with {mm:.0} mm", self.f()),
+        };
+        let relative = if self.scale == Scale::Relative { " · relative, as no distance is known" } else { "" };
+        format!("{title}{relative}")
+    }
+
+    fn f(&self) -> String {
         let f = if self.f_number < 9.95 { format!("{:.1}", self.f_number) } else { format!("{:.0}", self.f_number) };
-        format!("{:.0} mm f/{} on {}", self.focal_mm, f.strip_suffix(".0").unwrap_or(&f), self.format)
+        f.strip_suffix(".0").unwrap_or(&f).to_owned()
     }
 
     /// What a person reads below it, a line each.

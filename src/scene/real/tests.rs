@@ -71,7 +71,7 @@ fn another_format_is_the_same_aperture() {
         assert!((wide(&reading) - wide(&full)).abs() < 1e-2 && reading.near_m == full.near_m, "{reading:?}");
         assert!(reading.title().contains(format.name));
     }
-    assert_eq!(full.title(), "36 mm f/2 on full frame");
+    assert_eq!([full.title(), full.headline()], ["36 mm f/2 on full frame"; 2]);
 }
 
 #[test]
@@ -90,6 +90,7 @@ fn an_order_says_that_it_is_relative_until_a_distance_is_given() {
     assert_eq!((plain.scale, plain.focus_m, plain.hyperfocal_m), (Scale::Relative, None, None));
     let lines = plain.lines().join("\n");
     assert!(lines.contains("relative") && lines.contains("28 mm is assumed"), "{lines}");
+    assert_eq!(plain.headline(), "f/2 on full frame, if taken with 28 mm · relative, as no distance is known");
     let known = scene.with_distance(&edit(2.0), Some(0.6));
     let reading = scene.reading(&known, FULL_FRAME, 1000);
     assert!(reading.scale == Scale::Given && is_near(reading.focus_m, 0.6, 1e-3), "{reading:?}");

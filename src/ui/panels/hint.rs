@@ -1,4 +1,4 @@
-//! A short hint where it applies: over the picture, and under the button.
+//! A short hint where it applies, over the picture.
 
 use egui::{Align2, Context, Frame, Margin, Order, Pos2, RichText, vec2};
 
@@ -10,14 +10,12 @@ use crate::ui::{theme, widgets};
 
 /// Room between a hint and the picture's rim.
 const GAP: f32 = 14.0;
-/// How far the button that exports lies from the window's right edge, and its row from the upper one.
-const BUTTON: [f32; 2] = [14.0, 44.0];
 
 /// Draws the hint that applies now, while nothing else asks for attention.
 pub fn show(window: &Window, ctx: &Context) -> Option<Action> {
     let is_quiet = window.dialog.is_none() && !window.is_busy() && window.compare.at().is_none();
     let hint = window.settings.hints.next().filter(|_| is_quiet && window.open.field().is_some())?;
-    let (at, pivot) = place(hint, window, ctx)?;
+    let (at, pivot) = place(hint, window)?;
     let colors = theme::palette(ctx);
     let area = egui::Area::new(egui::Id::unique("hint")).order(Order::Middle).pivot(pivot).fixed_pos(at);
     let frame = Frame::new()
@@ -39,12 +37,13 @@ pub fn show(window: &Window, ctx: &Context) -> Option<Action> {
 }
 
 /// Where a hint lies, and which of its corners there.
-fn place(hint: Hint, window: &Window, ctx: &Context) -> Option<(Pos2, Align2)> {
+fn place(hint: Hint, window: &Window) -> Option<(Pos2, Align2)> {
     let Look { canvas, face, .. } = window.look;
     match hint {
         _ if face != Face::Picture => None,
         Hint::Look => Some((canvas.center_top() + vec2(0.0, GAP), Align2::CENTER_TOP)),
         Hint::Focus => Some((canvas.center_bottom() - vec2(0.0, GAP), Align2::CENTER_BOTTOM)),
-        Hint::Export => Some((ctx.content_rect().right_top() + vec2(-BUTTON[0], BUTTON[1] + 6.0), Align2::RIGHT_TOP)),
+        // Beside the inspector, whose headings it would hide.
+        Hint::Export => Some((canvas.right_top() + vec2(-GAP, GAP), Align2::RIGHT_TOP)),
     }
 }

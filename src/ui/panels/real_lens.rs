@@ -24,9 +24,7 @@ pub struct RealLens<'a> {
 /// What the slider reads as, in one line.
 pub fn title(scene: &Scene, edit: &Edit, settings: &Settings) -> String {
     let format = &FORMATS[settings.sensor.min(FORMATS.len() - 1)];
-    let reading = scene.reading(edit, format, 1);
-    let relative = if reading.scale == Scale::Relative { " · relative" } else { "" };
-    format!("{}{relative}", reading.title())
+    scene.reading(edit, format, 1).headline()
 }
 
 /// Draws it.
