@@ -403,7 +403,12 @@ pub struct Depth {
 #[derive(Debug, Args)]
 pub struct Synth {
     /// The photo
-    pub photo: PathBuf,
+    #[arg(required_unless_present = "corners")]
+    pub photo: Option<PathBuf>,
+    /// Four photos from the corners of a square in place of one: upper left, upper right, lower left, lower right; the
+    /// views between them are made from the depth that all four measure
+    #[arg(long, value_name = "PHOTO", num_args = 4, conflicts_with_all = ["photo", "disparity", "recipe"])]
+    pub corners: Vec<PathBuf>,
     /// Folder for the light field
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,

@@ -10,6 +10,7 @@ use crate::io::formats::layout::Layout;
 use crate::io::{self, EmbeddedDepth, FileInfo, LightFieldFile, Opened, PhotoFile};
 use crate::job::Job;
 use crate::splats::Pictured;
+use crate::synth::{corners, reference_view};
 
 /// An open file, or a picture that never was one.
 #[derive(Clone, Debug)]
@@ -101,6 +102,33 @@ impl Subject {
             several: None,
         });
         Self { name: name.to_owned(), path: None, info: None, content }
+    }
+
+    /// The light field between four photos that were taken from the corners of a square: upper left, upper right, lower
+    /// left, lower right. Its views are `long_side` long at most.
+    ///
+    /// # Errors
+    /// What is no photo; photos of several sizes; cancelled.
+    pub fn between(photos: [&Path; 4], long_side: u32, job: &Job) -> Result<Self, SceneError> {
+        let mut views: Vec<Arc<View>> = Vec::with_capacity(4);
+        for path in photos {
+            let subject = Self::open(path, job)?;
+            let refused = |why: &str| SceneError::Refused(format!("{why}: {}", path.display()));
+            let photo = subject
+                .photo()
+                .ok_or_else(|| refused("this is a light field — each corner is one photo — name four photos"))?;
+            let view = reference_view(photo, long_side, job)?;
+            if views.first().is_some_and(|first| first.size() != view.size()) {
+                return Err(refused("this photo has another size than the first — corners need the same — crop it"));
+            }
+            views.push(Arc::new(view));
+        }
+        let (field, depths) = corners::between(&views, job)?;
+        let (shown, depths) = (Arc::new(field), Some(Arc::new(depths)));
+        let layout = Layout::default();
+        let recorded = Recorded { shown, depths, stored: None, reference: None, provenance: None, layout };
+        let name = photos[0].file_name().unwrap_or(photos[0].as_os_str()).to_string_lossy().into_owned();
+        Ok(Self { name, path: Some(photos[0].to_owned()), info: None, content: Content::Views(recorded) })
     }
 
     /// The built-in sample, whose true disparity is known.

@@ -12,6 +12,7 @@ pub mod adopt;
 pub mod cache;
 mod cached;
 pub mod carry;
+pub mod corners;
 mod depth;
 mod error;
 mod far_side;

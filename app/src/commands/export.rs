@@ -1,26 +1,35 @@
 //! `synth` and `export`: everything that a light field can become.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Result;
 use plenoscope::job::Job;
-use plenoscope::scene::Edit;
-use plenoscope::scene::asked;
+use plenoscope::scene::asked::{self, Usage};
 use plenoscope::scene::export::{self, Group, Kind, Settings};
 use plenoscope::scene::recipe::PictureSettings;
+use plenoscope::scene::{Edit, Subject};
 
 use super::output::output;
 use super::{input, lens_args};
 use crate::cli::{Export, Synth};
 
-/// Makes a light field of a photo and writes it.
+/// Makes a light field of a photo, or of the four at its corners, and writes it.
 pub fn synth(args: &Synth, job: &Job) -> Result<()> {
     let how = input::how(&args.synth, args.recipe.recipe.as_deref())?;
-    let subject = how.open(&args.photo, job)?;
-    asked::check_is_photo(&subject)?;
+    let (subject, source) = match (&args.photo, args.corners.as_slice()) {
+        (Some(photo), _) => (how.open(photo, job)?, photo),
+        (None, [a, b, c, d]) => {
+            (Arc::new(Subject::between([a, b, c, d].map(PathBuf::as_path), args.synth.long_side, job)?), a)
+        }
+        (None, _) => return Err(Usage("name one photo, or four with --corners".to_owned()).into()),
+    };
+    if args.photo.is_some() {
+        asked::check_is_photo(&subject)?;
+    }
     let settings = Settings { kind: args.format, ..Settings::default() };
-    let target = target(&args.output, &settings, &args.photo);
-    output(&target, &args.photo, false).check_written(args.format)?;
+    let target = target(&args.output, &settings, source);
+    output(&target, source, false).check_written(args.format)?;
     let scene = how.scene(&subject, &input::maker(&args.synth), args.format.need(settings.size()), job)?;
     asked::make_folder(&target)?;
     Ok(export::write(&scene, &Edit::default(), &settings, &target, job)?)

@@ -40,6 +40,34 @@ fn synth_writes_views_and_ray_depths() {
 }
 
 #[test]
+fn four_corners_become_a_light_field_that_holds_them() {
+    let dir = sample();
+    on_sample(&dir, "synth", &["-o", &dir.arg("field")]).success();
+    let corner = |name: &str| dir.arg(&format!("field/view_{name}.png"));
+    let corners = ["0_0", "0_7", "7_0", "7_7"].map(corner);
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| corners[i].as_str());
+    plenoscope(&["synth", "--corners", a, b, c, d, "-o", &dir.arg("between")]).assert().success().stdout("").stderr("");
+    let view =
+        |folder: &str, name: &str| image::open(dir.path(folder).join(format!("view_{name}.png"))).unwrap().to_rgb8();
+    assert_eq!(view("between", "7_0"), view("field", "7_0"));
+    let off = |a: &image::RgbImage, b: &image::RgbImage| {
+        a.iter().zip(b.iter()).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64
+    };
+    let truth = view("field", "3_3");
+    let (made, nearest) = (off(&view("between", "3_3"), &truth), off(&view("field", "0_0"), &truth));
+    assert!(made < nearest, "{made} of 255, and {nearest} of a corner");
+    let said = json(&["info", "--json", &dir.arg("between")]);
+    assert_eq!(said["views"], serde_json::json!([8, 8]));
+    let three = ["synth", "--corners", a, b, c, "-o", &dir.arg("none")];
+    plenoscope(&three).assert().code(2);
+    let field = dir.arg("field");
+    plenoscope(&["synth", "--corners", a, b, c, &field, "-o", &dir.arg("none")])
+        .assert()
+        .failure()
+        .stderr(contains("each corner is one photo"));
+}
+
+#[test]
 fn every_format_is_written_and_read_back() {
     let dir = sample();
     for (format, out) in [("views", "v"), ("hci", "h"), ("stanford", "s"), ("eslf", "e/lf_eslf.png"), ("quilt", "q")] {
