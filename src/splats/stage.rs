@@ -89,13 +89,16 @@ impl Stage {
             let layer = grid.layer_from_view(at);
             disparity_px[layer * plane..(layer + 1) * plane].copy_from_slice(&taken.disparity_px);
             let view = View::new(size, taken.rgba).map(Arc::new)?;
-            job.sink.view(at, &view);
             views[layer] = Some(view);
         }
         job.advance(At::Warp, grid.count() as u32, grid.count() as u32)?;
         let field = LightField::new(grid, views.into_iter().flatten().collect())?;
         let depths = RayDepths::new(grid, size, disparity_px)?;
-        Ok((Arc::new(field), Arc::new(depths)))
+        let (field, depths) = (Arc::new(field), Arc::new(depths));
+        // Listeners learn the grid from the ray depths: those come first.
+        job.sink.depths(&depths);
+        grid.views().for_each(|at| job.sink.view(at, field.view(at)));
+        Ok((field, depths))
     }
 
     /// What one eye sees, stored as a view is.
