@@ -73,15 +73,23 @@ pub(super) fn png(
     encoder.set_depth(depth);
     encoder.set_compression(Compression::Fast);
     for (key, text) in texts {
-        encoder.add_text_chunk((*key).to_owned(), text.clone())?;
+        encoder.add_text_chunk((*key).to_owned(), text.clone()).map_err(of_system)?;
     }
-    let mut writer = encoder.write_header()?;
-    let mut stream = writer.stream_writer()?;
+    let mut writer = encoder.write_header().map_err(of_system)?;
+    let mut stream = writer.stream_writer().map_err(of_system)?;
     for row in rows {
         stream.write_all(&row)?;
     }
-    stream.finish()?;
-    Ok(writer.finish()?)
+    stream.finish().map_err(of_system)?;
+    writer.finish().map_err(of_system)
+}
+
+/// The system's own error, where it is one: the encoder's conversion keeps its words and not what it is.
+fn of_system(error: png::EncodingError) -> std::io::Error {
+    match error {
+        png::EncodingError::IoError(error) => error,
+        other => std::io::Error::other(other),
+    }
 }
 
 /// RGB rows of RGBA pixels.
