@@ -105,7 +105,7 @@ pub(super) fn read_answer(from: &mut impl Read, task: Task) -> io::Result<Result
     }
     let is_deep = flags & 1 != 0;
     let count = u64::from(size[0]) * u64::from(size[1]);
-    if count * if is_deep { 8 } else { 4 } > MAX_DECODED_BYTES {
+    if count.saturating_mul(if is_deep { 8 } else { 4 }) > MAX_DECODED_BYTES {
         return Err(io::ErrorKind::InvalidData.into());
     }
     let samples = if is_deep {

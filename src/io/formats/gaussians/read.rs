@@ -34,6 +34,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, Problem> {
     let (mut cloud, mut extras, mut warnings) = (None, Extras::default(), Vec::new());
     for element in &header.elements {
         if element.name == "vertex" {
+            no_lists(element)?;
             let columns = Columns::of(element, &header, &mut warnings)?;
             cloud = Some(gaussians(&columns, body.take(element)?, header.kind, &mut warnings)?);
         } else if cloud.is_none() {
@@ -64,6 +65,18 @@ fn no_points() -> Problem {
     }
 }
 
+/// A list has no length that is known beforehand.
+fn no_lists(element: &Element) -> Result<(), Problem> {
+    if !element.has_list {
+        return Ok(());
+    }
+    Err(Problem::Unsupported {
+        format: NAME,
+        reason: format!("lists of {} stand before what could be Gaussians", element.name),
+        advice: "save the points alone",
+    })
+}
+
 /// What is left of the file behind its head.
 struct Body<'a> {
     kind: Kind,
@@ -73,13 +86,7 @@ struct Body<'a> {
 impl<'a> Body<'a> {
     /// The bytes of all of an element.
     fn take(&mut self, element: &Element) -> Result<&'a [u8], Problem> {
-        if element.has_list {
-            return Err(Problem::Unsupported {
-                format: NAME,
-                reason: format!("lists of {} stand before what could be Gaussians", element.name),
-                advice: "save the points alone",
-            });
-        }
+        no_lists(element)?;
         let length = match self.kind {
             Kind::Binary => element.count.checked_mul(element.stride()),
             Kind::Text => lines(self.bytes, element.count),
