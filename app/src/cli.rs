@@ -434,18 +434,18 @@ pub struct Export {
     pub kind: Kind,
     #[command(flatten)]
     pub lens: LensArgs,
-    /// Size of the frames of focal-stack and animation, and of html: photo, light-field, or WxH to fit into
+    /// Size of the frames of focal-stack, animation and video, and of html: photo, light-field, or WxH to fit into
     #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
     pub size: Option<OutputSize>,
-    /// Frames of focal-stack and animation
-    #[arg(long, value_name = "N", default_value_t = Settings::FRAMES, value_parser = values::frames())]
-    pub frames: u16,
-    /// Frames a second of animation
-    #[arg(long, value_name = "N", default_value_t = Settings::FRAMES_PER_SECOND, value_parser = clap::value_parser!(u16).range(1..=50))]
-    pub frames_per_second: u16,
-    /// What moves in animation
-    #[arg(long, value_name = "MOTION", default_value = "focus-pull", value_parser = values::movements())]
-    pub motion: Movement,
+    /// Frames of focal-stack and animation (24), and of video (90, or its timeline's seconds)
+    #[arg(long, value_name = "N", value_parser = values::frames())]
+    pub frames: Option<u16>,
+    /// Frames a second of animation (12) and of video (30)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=50))]
+    pub frames_per_second: Option<u16>,
+    /// What moves in animation and video: the recipe's timeline, else focus-pull
+    #[arg(long, value_name = "MOTION", value_parser = values::movements())]
+    pub motion: Option<Movement>,
     /// Distance of the eyes of anaglyph and side-by-side, in view steps
     #[arg(long, value_name = "STEPS", default_value_t = Settings::EYES_APART, value_parser = values::eyes_apart)]
     pub eyes_apart: f32,

@@ -33,6 +33,7 @@ mod source;
 mod splats;
 mod strength;
 mod subject;
+pub mod timeline;
 pub mod trust;
 
 pub use edit::{Edit, Focus};
@@ -45,3 +46,4 @@ pub use series::Movement;
 pub use several::{Several, SeveralAsked, SeveralFound, told as rays_told};
 pub use source::DepthFrom;
 pub use subject::{Content, OnePhoto, Recorded, Subject};
+pub use timeline::Timeline;

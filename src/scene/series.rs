@@ -4,12 +4,13 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Edit, OutputSize, Scene, SceneError};
+use super::timeline::{Preset, Timeline};
+use super::{Edit, Making, Need, OutputSize, Scene, SceneError};
 use crate::aside::NewFolder;
-use crate::field::{FNumber, Picture, Pixels, Samples, ViewGrid, ViewPoint};
+use crate::field::{FNumber, Picture, Pixels, Samples, Strength, ViewGrid, ViewPoint};
 use crate::io::save::{self, AnimationOptions, Origin, PictureOptions, SaveError};
 use crate::job::{Job, Stage};
-use crate::render::lens::{Motion, Region, Space, circle, focal_planes, lenses};
+use crate::render::lens::{Motion, Prepared, Region, Space, circle, focal_planes, lenses};
 
 /// What moves in an animation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,14 +22,26 @@ pub enum Movement {
     Aperture,
     /// The viewpoint, once round the reference view.
     Viewpoint,
+    /// The focus, from what is sharp to the next that is to be, and back.
+    Subjects,
+    /// The lens, which closes and opens again.
+    Breathing,
+    /// The strength, around a subject that stays sharp.
+    Dolly,
+    /// What the recipe's timeline says.
+    Timeline,
 }
 
 impl Movement {
     /// All of them, in the order of the dialog: the name on the command line, the label, and what it shows.
-    pub const ALL: [(Self, &'static str, &'static str, &'static str); 3] = [
+    pub const ALL: [(Self, &'static str, &'static str, &'static str); 7] = [
         (Self::Focus, "focus-pull", "Focus", "The focus, from far to near"),
         (Self::Aperture, "aperture-ramp", "Aperture", "The aperture, from f/28 to what is set"),
         (Self::Viewpoint, "circle", "Viewpoint", "The eye, once round"),
+        (Self::Subjects, "subjects", "Subjects", "The focus, from what is sharp to the next, and back"),
+        (Self::Breathing, "breathing", "Breathing", "The lens, which closes and opens again"),
+        (Self::Dolly, "dolly", "Dolly", "The strength, around a subject that stays sharp"),
+        (Self::Timeline, "timeline", "Timeline", "What the recipe's timeline says"),
     ];
 
     /// The word in the name of a file.
@@ -37,6 +50,10 @@ impl Movement {
             Self::Focus => "focus",
             Self::Aperture => "aperture",
             Self::Viewpoint => "circle",
+            Self::Subjects => "subjects",
+            Self::Breathing => "breathing",
+            Self::Dolly => "dolly",
+            Self::Timeline => "film",
         }
     }
 
@@ -99,11 +116,64 @@ fn stack_into(
     Ok(job.advance(Stage::Refocus, steps, steps)?)
 }
 
-/// Writes an animation; the name's ending says the format (see [`save::animation()`]).
+/// What moves, and by which timeline where a recipe says it.
+#[derive(Clone, Copy)]
+pub struct Moving<'a> {
+    /// What.
+    pub movement: Movement,
+    /// The recipe's timeline.
+    pub timeline: Option<&'a Timeline>,
+}
+
+impl Moving<'_> {
+    /// The timeline of a scene; none where the movement is one of those that have none.
+    fn of(self, scene: &Scene, edit: &Edit) -> Result<Option<Timeline>, SceneError> {
+        let preset = match self.movement {
+            Movement::Focus | Movement::Aperture | Movement::Viewpoint => return Ok(None),
+            Movement::Subjects => Preset::Subjects,
+            Movement::Breathing => Preset::Breathing,
+            Movement::Dolly => Preset::Dolly,
+            Movement::Timeline => {
+                let none =
+                    "there is no timeline — the recipe says nothing of one — give it keys, or choose another motion";
+                let timeline = self.timeline.ok_or_else(|| SceneError::Refused(none.to_owned()))?;
+                return Ok(Some(timeline.clone()));
+            }
+        };
+        Ok(Some(preset.timeline(scene, edit)))
+    }
+}
+
+/// Makes the frames of a timeline, and keeps what does not depend on the lens from one to the next.
+struct Frames<'a> {
+    scene: &'a Scene,
+    size: OutputSize,
+    ready: Option<(Strength, Scene, Prepared)>,
+}
+
+impl Frames<'_> {
+    fn picture(&mut self, edit: &Edit, job: &Job) -> Result<Picture, SceneError> {
+        if self.ready.as_ref().is_none_or(|(strength, ..)| *strength != edit.strength) {
+            let scene = self.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
+            let prepared = scene.rgbd()?.in_space(Space::Srgb).prepare(scene.picture_size(self.size));
+            self.ready = Some((edit.strength, scene, prepared));
+        }
+        match &self.ready {
+            Some((_, scene, prepared)) if edit.viewpoint == ViewPoint::default() => {
+                let whole = Region { at: [0; 2], size: prepared.size() };
+                Ok(prepared.render(&scene.lens(edit), whole, job)?)
+            }
+            Some((_, scene, _)) => scene.shown(edit, self.size, job),
+            None => self.scene.shown(edit, self.size, job),
+        }
+    }
+}
+
+/// Writes an animation or a film; the name's ending says the format (see [`save::animation()`]).
 pub fn animation(
     scene: &Scene,
     edit: &Edit,
-    movement: Movement,
+    moving: Moving,
     size: OutputSize,
     path: &Path,
     options: &AnimationOptions,
@@ -112,7 +182,16 @@ pub fn animation(
     let count = options.frames as usize;
     let quiet = Job { cancel: job.cancel, sink: &() };
     let told = |number: u32| job.advance(Stage::Refocus, number, options.frames);
-    let motion = match movement {
+    if let Some(timeline) = moving.of(scene, edit)? {
+        let mut frames = Frames { scene, size, ready: None };
+        let edits = scene.frames_of(&timeline, edit, options.frames);
+        let frame = |(number, edit): (u32, Edit)| {
+            told(number)?;
+            frames.picture(&edit, &quiet)
+        };
+        return save::animation(path, (0..).zip(edits).map(frame), options);
+    }
+    let motion = match moving.movement {
         Movement::Viewpoint => {
             let radius = scene.views().map_or(ViewGrid::PAPER, |views| views.field.grid()).inner_radius();
             let frame = |(number, viewpoint): (u32, ViewPoint)| {
@@ -122,7 +201,7 @@ pub fn animation(
             return save::animation(path, (0..).zip(circle(radius, count)).map(frame), options);
         }
         Movement::Focus => Motion::FocusPull(scene.map().range_px()),
-        Movement::Aperture => Motion::ApertureRamp([FNumber::PHOTO.0, edit.f_number.0]),
+        _ => Motion::ApertureRamp([FNumber::PHOTO.0, edit.f_number.0]),
     };
     let prepared = scene.rgbd()?.in_space(Space::Srgb).prepare(scene.picture_size(size));
     let whole = Region { at: [0; 2], size: prepared.size() };

@@ -8,7 +8,7 @@ use plenoscope::job::Job;
 use plenoscope::scene::asked::{self, Usage};
 use plenoscope::scene::export::{self, Group, Kind, Settings};
 use plenoscope::scene::recipe::PictureSettings;
-use plenoscope::scene::{Edit, Subject};
+use plenoscope::scene::{Edit, Movement, Subject, Timeline};
 
 use super::output::output;
 use super::{input, lens_args};
@@ -37,17 +37,17 @@ pub fn synth(args: &Synth, job: &Job) -> Result<()> {
 
 /// Opens, makes what is needed, and writes.
 pub fn run(args: &Export, job: &Job) -> Result<()> {
-    let settings = settings(args);
+    let how = input::how(&args.synth, args.recipe.recipe.as_deref())?;
+    let settings = settings(args, how.recipe().and_then(|recipe| recipe.timeline.as_ref()));
     let target = target(&args.output, &settings, &args.input);
     output(&target, &args.input, args.force).check_written(args.kind)?;
-    let how = input::how(&args.synth, args.recipe.recipe.as_deref())?;
     let subject = how.open(&args.input, job)?;
     let scene = how.scene(&subject, &input::maker(&args.synth), args.kind.need(settings.size()), job)?;
     let edit = how.edit(&lens_args::asked(&args.lens), &scene)?;
     let edit = lens_args::further(&args.lens, edit, &scene, scene.picture_size(settings.size())[0], job)?;
     let is_named = args.lens.f_number.is_some() || args.lens.as_lens.is_some() || how.recipe().is_some();
     let edit = match (args.kind, is_named) {
-        (Kind::Animation, false) => Edit { f_number: args.motion.usual_f_number(), ..edit },
+        (Kind::Animation | Kind::Video, false) => Edit { f_number: settings.movement.usual_f_number(), ..edit },
         _ => edit,
     };
     if args.kind.spec().group == Group::LightField {
@@ -56,13 +56,15 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
     Ok(export::write(&scene, &edit, &settings, &target, job)?)
 }
 
-fn settings(args: &Export) -> Settings {
+fn settings(args: &Export, timeline: Option<&Timeline>) -> Settings {
+    let usual = if timeline.is_some() { Movement::Timeline } else { Movement::default() };
     let mut settings = Settings {
         kind: args.kind,
         picture: PictureSettings::default(),
-        frames: args.frames,
-        frames_per_second: args.frames_per_second,
-        movement: args.motion,
+        frames: args.frames.unwrap_or(Settings::FRAMES),
+        frames_per_second: args.frames_per_second.unwrap_or(Settings::FRAMES_PER_SECOND),
+        movement: args.motion.unwrap_or(usual),
+        timeline: timeline.cloned(),
         eyes_apart: args.eyes_apart,
         replaces_source: args.force,
         ..Settings::default()
@@ -70,7 +72,13 @@ fn settings(args: &Export) -> Settings {
     if let Some(size) = args.size {
         settings.picture.size = size;
         settings.animation_size = settings.picture.size;
+        settings.film.size = size;
     }
+    let film = &mut settings.film;
+    film.frames_per_second = args.frames_per_second.unwrap_or(film.frames_per_second);
+    let lasts = timeline.filter(|_| settings.movement == Movement::Timeline);
+    let lasts = lasts.map_or(film.frames, |timeline| timeline.frames(film.frames_per_second));
+    film.frames = args.frames.unwrap_or(lasts);
     settings
 }
 

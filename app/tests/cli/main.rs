@@ -9,6 +9,7 @@ mod book;
 mod burst;
 mod common;
 mod faults;
+mod film;
 #[cfg(unix)]
 mod guests;
 mod light_field;

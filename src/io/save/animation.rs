@@ -1,9 +1,9 @@
-//! Short animations: GIF, APNG and WebP, frame by frame, so that one frame is held at a time.
+//! Short animations: GIF, APNG, WebP and films, frame by frame, so that one frame is held at a time.
 
 use std::io::BufWriter;
 use std::path::Path;
 
-use super::{SaveError, atomic, webp_animation};
+use super::{SaveError, atomic, video, webp_animation};
 use crate::field::Picture;
 
 /// How an animation is written.
@@ -15,13 +15,17 @@ pub struct AnimationOptions {
     pub frames: u32,
 }
 
-/// Writes pictures in linear sRGB as an endless animation: `.gif`, `.webp` (without loss), or `.png` and `.apng`.
+/// Writes pictures in linear sRGB as an endless animation: `.gif`, `.webp` (without loss), `.png` and `.apng`, or
+/// as a film that ends: `.mp4` and `.webm`.
 /// What goes wrong in making a frame is handed on.
 pub fn animation<E: From<SaveError>>(
     path: &Path,
     frames: impl Iterator<Item = Result<Picture, E>>,
     options: &AnimationOptions,
 ) -> Result<(), E> {
+    if video::is_video(path) {
+        return video::video(path, frames, options.frames_per_second);
+    }
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let write = match ending.as_str() {
         "gif" => gif,
@@ -147,7 +151,7 @@ mod tests {
         let frames = [frame(0.1), Err(SaveError::DiskFull("x".into())), frame(0.2)];
         assert!(matches!(animation(&path, frames.into_iter(), &OPTIONS), Err(SaveError::DiskFull(_))));
         assert!(!path.exists());
-        let other = animation(&dir.path().join("a.mp4"), std::iter::once(frame(0.1)), &OPTIONS);
+        let other = animation(&dir.path().join("a.mov"), std::iter::once(frame(0.1)), &OPTIONS);
         assert!(matches!(other, Err(SaveError::Animation(_))));
     }
 }

@@ -8,6 +8,7 @@ mod encode;
 pub(crate) mod exif;
 #[cfg(test)]
 mod tests;
+mod video;
 mod webp_animation;
 mod xmp;
 
@@ -59,7 +60,7 @@ pub enum SaveError {
     #[error("the picture cannot be saved — its name names no format — end it in .png, .jpg, .tif or .webp: {}", .0.display())]
     Extension(PathBuf),
     /// The extension names no animation.
-    #[error("the animation cannot be saved — its name names no format — end it in .gif, .webp, .png or .apng: {}", .0.display())]
+    #[error("the animation cannot be saved — its name names no format — end it in .gif, .webp, .png, .apng, .mp4 or .webm: {}", .0.display())]
     Animation(PathBuf),
     /// The picture does not fit the format.
     #[error("the picture cannot be saved — {why}: {}", .path.display())]

@@ -12,6 +12,7 @@ pub enum Kind {
     Picture,
     FocalStack,
     Animation,
+    Video,
     Living,
     SideBySide,
     Anaglyph,
@@ -64,7 +65,7 @@ pub struct Spec {
 }
 
 /// All kinds, in the order of the dialog.
-pub const KINDS: [Spec; 16] = [
+pub const KINDS: [Spec; 17] = [
     made_of_map(
         Kind::Picture,
         "picture",
@@ -86,6 +87,14 @@ pub const KINDS: [Spec; 16] = [
         "animation",
         "Animation",
         "A focus pull, an opening lens, or a turn of the viewpoint",
+        Group::Pictures,
+        "",
+    ),
+    made_of_map(
+        Kind::Video,
+        "video",
+        "Video",
+        "A film in AV1, MP4 or WebM: a focus pull, or what the timeline says",
         Group::Pictures,
         "",
     ),

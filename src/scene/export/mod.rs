@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::recipe::PictureSettings;
-use super::{Edit, Movement, OutputSize};
+use super::{Edit, Movement, OutputSize, Timeline};
 use crate::io::formats::quilt;
 use crate::io::save::{self, Keep};
 
@@ -63,6 +63,11 @@ pub struct Settings {
     pub animation: String,
     /// How large an animation becomes.
     pub animation_size: OutputSize,
+    /// How a film is written.
+    pub film: Film,
+    /// What moves in either where a timeline says it.
+    #[serde(skip)]
+    pub timeline: Option<Timeline>,
     /// Distance between both eyes, in view steps.
     pub eyes_apart: f32,
     /// Which display a quilt is for, an index of [`quilt::DEVICES`].
@@ -84,10 +89,32 @@ impl Default for Settings {
             movement: Movement::Focus,
             animation: "gif".to_owned(),
             animation_size: OutputSize::LongSide(Self::ANIMATION_PX),
+            film: Film::default(),
+            timeline: None,
             eyes_apart: Self::EYES_APART,
             device: 0,
             replaces_source: false,
         }
+    }
+}
+
+/// How a film is written.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Film {
+    /// How many frames.
+    pub frames: u16,
+    /// So many a second.
+    pub frames_per_second: u16,
+    /// The name's ending: `mp4` or `webm`.
+    pub ending: String,
+    /// How large.
+    pub size: OutputSize,
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self { frames: 90, frames_per_second: 30, ending: "mp4".to_owned(), size: OutputSize::Within([1920, 1080]) }
     }
 }
 
@@ -117,6 +144,7 @@ impl Settings {
         match self.kind {
             Kind::Picture => self.picture.file_name(Path::new(name), edit),
             Kind::Animation => format!("{plain}-{}.{}", self.movement.word(), self.animation),
+            Kind::Video => format!("{plain}-{}.{}", self.movement.word(), self.film.ending),
             Kind::Quilt => self.device().file_name(&plain),
             kind => kind.spec().file.replace("{name}", &plain),
         }
@@ -131,6 +159,7 @@ impl Settings {
     pub fn size(&self) -> OutputSize {
         match self.kind {
             Kind::Animation => self.animation_size,
+            Kind::Video => self.film.size,
             _ => self.picture.size,
         }
     }

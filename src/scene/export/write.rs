@@ -76,12 +76,14 @@ pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job
     match settings.kind {
         Kind::Picture => write_picture(scene, edit, settings, target, job).map(drop),
         Kind::FocalStack => series::focal_stack(scene, edit, settings.size(), settings.frames, target, job),
-        Kind::Animation => {
-            let options = AnimationOptions {
-                frames_per_second: settings.frames_per_second,
-                frames: settings.frames.max(2).into(),
+        Kind::Animation | Kind::Video => {
+            let (frames, frames_per_second) = match settings.kind {
+                Kind::Video => (settings.film.frames, settings.film.frames_per_second),
+                _ => (settings.frames, settings.frames_per_second),
             };
-            series::animation(scene, edit, settings.movement, settings.size(), target, &options, job)
+            let options = AnimationOptions { frames_per_second, frames: frames.max(2).into() };
+            let moving = series::Moving { movement: settings.movement, timeline: settings.timeline.as_ref() };
+            series::animation(scene, edit, moving, settings.size(), target, &options, job)
         }
         Kind::Living => living::write(scene, edit, settings, target, job),
         Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth => depth(scene, settings.kind, target, job),

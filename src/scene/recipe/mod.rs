@@ -3,8 +3,8 @@
 //! A recipe says its `version` and its `unit`. In version 2 disparities are shares of the picture's width per view step
 //! ([`Edit`]); in version 1, which has no `version`, they are pixels of the map that the photo then had (`pixels`).
 //! Its `depth` says where the depth came from: `"auto"`, `"network"`, `"phone"`, `"fused"`, or a net by its checksum,
-//! `{"net": {"name": "…", "sha256": "…"}}`. Its `repairs` are what was mended of that depth ([`crate::repair`]). What is
-//! unknown here stays in the file.
+//! `{"net": {"name": "…", "sha256": "…"}}`. Its `repairs` are what was mended of that depth ([`crate::repair`]), its
+//! `timeline` is what moves in a film of it. What is unknown here stays in the file.
 
 mod beside;
 mod error;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{DepthFrom, Edit, Focus, OutputSize, source};
+use super::{DepthFrom, Edit, Focus, OutputSize, Timeline, source};
 use crate::field::{Strength, ViewPoint};
 use crate::io::save::{Format, Keep, SaveError, atomic};
 use crate::repair::Repairs;
@@ -72,6 +72,8 @@ pub struct Recipe {
     pub depth: Option<DepthFrom>,
     /// What was mended of them.
     pub repairs: Repairs,
+    /// What moves in a film of it.
+    pub timeline: Option<Timeline>,
     /// All that was in the file, so that what is unknown here is not lost.
     whole: Value,
 }
@@ -101,6 +103,8 @@ struct Stored {
     depth: Option<source::Stored>,
     #[serde(skip_serializing_if = "Repairs::is_empty")]
     repairs: Repairs,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    timeline: Option<Timeline>,
 }
 
 impl Recipe {
@@ -153,25 +157,27 @@ impl Recipe {
             return Err("it is no JSON object".to_owned());
         }
         let version = whole.get("version").map_or(Some(1), Value::as_u64).ok_or("its version is no number")?;
-        let (body, export, depth, repairs) = match version {
+        let (body, export, depth, repairs, timeline) = match version {
             0..VERSION => {
                 let stored: pixels::Stored = serde_json::from_value(whole.clone()).map_err(|e| e.to_string())?;
-                (Body::Pixels(stored.edit()), stored.export, None, Repairs::default())
+                (Body::Pixels(stored.edit()), stored.export, None, Repairs::default(), None)
             }
             VERSION => {
-                let Stored { lens, viewpoint, export, depth, repairs, .. } =
+                let Stored { lens, viewpoint, export, depth, repairs, timeline, .. } =
                     serde_json::from_value(whole.clone()).map_err(|e| e.to_string())?;
-                (Body::Shares(Edit { viewpoint, ..lens }), export, depth.map(source::Stored::source), repairs)
+                let body = Body::Shares(Edit { viewpoint, ..lens });
+                (body, export, depth.map(source::Stored::source), repairs, timeline)
             }
             later => return Err(format!("it is of version {later}, and this program knows {VERSION}; update it")),
         };
-        let recipe = Self { body, export, depth, repairs, whole };
+        let recipe = Self { body, export, depth, repairs, timeline, whole };
         recipe.check()?;
         Ok(recipe)
     }
 
     /// Refuses numbers that no window and no command line gives.
     fn check(&self) -> Result<(), String> {
+        self.timeline.as_ref().map_or(Ok(()), Timeline::check)?;
         let edit = self.edit(1);
         let is_share = |n: f32| (0.0..=1.0).contains(&n);
         let place_is_inside = match edit.focus {
@@ -207,12 +213,14 @@ impl Recipe {
                 if let (None, Some(keys)) = (&depth, whole.as_object_mut()) {
                     keys.remove("depth");
                 }
-                if let (true, Some(keys)) = (self.repairs.is_empty(), whole.as_object_mut()) {
-                    keys.remove("repairs");
+                let empty = [("repairs", self.repairs.is_empty()), ("timeline", self.timeline.is_none())];
+                for (name, _) in empty.into_iter().filter(|(_, is_empty)| *is_empty) {
+                    whole.as_object_mut().and_then(|keys| keys.remove(name));
                 }
                 let (export, viewpoint, unit) = (self.export.clone(), edit.viewpoint, UNIT.to_owned());
-                let (lens, repairs) = (edit.clone(), self.repairs.clone());
-                serde_json::to_value(Stored { version: VERSION, unit, lens, viewpoint, export, depth, repairs })
+                let (lens, repairs, timeline) = (edit.clone(), self.repairs.clone(), self.timeline.clone());
+                let version = VERSION;
+                serde_json::to_value(Stored { version, unit, lens, viewpoint, export, depth, repairs, timeline })
             }
         };
         merge(&mut whole, known.unwrap_or_default());

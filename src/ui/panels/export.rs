@@ -117,6 +117,7 @@ fn rows(ui: &mut Ui, export: &mut Export) {
             size_row(ui, settings, open);
         }
         Kind::Animation => animation_rows(ui, settings),
+        Kind::Video => film_rows(ui, settings),
         Kind::SideBySide | Kind::Anaglyph => {
             widgets::labelled(ui, "Eyes apart", |ui| {
                 let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
@@ -165,11 +166,46 @@ fn frames_row(ui: &mut Ui, settings: &mut Settings, is_animation: bool) {
     });
 }
 
-fn animation_rows(ui: &mut Ui, settings: &mut Settings) {
+/// What moves: one of a list, of which the last needs a timeline.
+fn movement_row(ui: &mut Ui, settings: &mut Settings) {
     widgets::labelled(ui, "Moves", |ui| {
-        let all = Movement::ALL.map(|(movement, _, label, _)| (movement, label));
-        widgets::segmented(ui, "Moves", &mut settings.movement, &all);
+        let name =
+            |wanted: Movement| Movement::ALL.iter().find(|(movement, ..)| *movement == wanted).map_or("", |m| m.2);
+        let chosen = egui::ComboBox::from_id_salt("moves").selected_text(name(settings.movement));
+        chosen.show_ui(ui, |ui| {
+            let has_timeline = settings.timeline.is_some();
+            for (movement, _, label, hint) in Movement::ALL {
+                if movement != Movement::Timeline || has_timeline {
+                    ui.selectable_value(&mut settings.movement, movement, label).on_hover_text(hint);
+                }
+            }
+        });
     });
+}
+
+fn film_rows(ui: &mut Ui, settings: &mut Settings) {
+    movement_row(ui, settings);
+    let film = &mut settings.film;
+    widgets::labelled(ui, "Frames", |ui| {
+        ui.add(egui::DragValue::new(&mut film.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
+        let rate = egui::DragValue::new(&mut film.frames_per_second).range(1..=50).speed(0.1);
+        ui.add(rate.suffix(" a second"));
+        ui.weak(format!("{:.1} s", f32::from(film.frames) / f32::from(film.frames_per_second.max(1))));
+    });
+    widgets::labelled(ui, "Fits into", |ui| {
+        let all = [[1280, 720], [1920, 1080], [3840, 2160]].map(|size| (OutputSize::Within(size), size[1]));
+        let names = all.map(|(size, height)| (size, format!("{height}p")));
+        let names: Vec<_> = names.iter().map(|(size, name)| (*size, name.as_str())).collect();
+        widgets::segmented(ui, "Fits into", &mut film.size, &names);
+    });
+    widgets::labelled(ui, "Format", |ui| {
+        let all = [("mp4", "MP4"), ("webm", "WebM")].map(|(ending, name)| (ending.to_owned(), name));
+        widgets::segmented(ui, "Format", &mut film.ending, &all);
+    });
+}
+
+fn animation_rows(ui: &mut Ui, settings: &mut Settings) {
+    movement_row(ui, settings);
     frames_row(ui, settings, true);
     widgets::labelled(ui, "Long side", |ui| {
         let mut side = match settings.animation_size {
