@@ -163,7 +163,7 @@ fn what_cannot_be_opened_says_why() {
         (swapped("vertex 1681", "vertex 99999999999999999999999"), "99999999999999999999999"),
         (swapped("element vertex", "element thing"), "no points"),
         (swapped("float x", "list uchar float x"), "lists"),
-        (swapped("end_header", "no_header"), "cut off"),
+        (swapped("end_header", "no_header"), "no end"),
         (whole[..whole.len() - 1].to_vec(), "cut off"),
         (b"ply\nformat ascii 1.0\n".repeat(9000), "no end"),
     ];

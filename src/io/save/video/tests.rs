@@ -34,7 +34,7 @@ fn a_film_of_odd_size_is_cut_and_its_tables_find_the_frames() {
     let sizes = find(b"stsz") + 12;
     assert_eq!(word(sizes), 5);
     assert_eq!((0..5).map(|n| word(sizes + 4 + 4 * n)).sum::<usize>(), all[2].2 - all[2].1);
-    let entry = find(b"av01mp41") + 8;
+    let entry = find(b"mp41") + 4;
     let entry = entry + bytes[entry..].windows(4).position(|w| w == b"av01").unwrap();
     assert_eq!(bytes[entry + 28..entry + 32], [0, 64, 0, 48]);
 }
