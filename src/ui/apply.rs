@@ -1,7 +1,7 @@
 //! The one place where actions change the window: one arm for each action, and for each command of the menu.
 
 use super::adding::{self, Change};
-use super::progress::Running;
+use super::progress::{Loading, Running};
 use std::path::{Path, PathBuf};
 
 use egui::{Context, ViewportCommand};
@@ -285,10 +285,15 @@ fn stop(window: &mut Window, ctx: &Context) {
         window.mending.is_on = false;
     } else if window.compare.at().is_some() {
         compare::back(window);
-    } else if window.loading.running().is_some() {
-        window.workers.loader.stop();
-    } else if window.adding.is_some() {
-        window.workers.adder.stop();
+    } else if let Some(job) = window.loading.running().map(|running| running.job) {
+        // What had not begun says nothing any more.
+        if window.workers.loader.cancel(job) {
+            window.loading = Loading::Idle;
+        }
+    } else if let Some(job) = window.adding.as_ref().map(|running| running.job) {
+        if window.workers.adder.cancel(job) {
+            window.adding = None;
+        }
     } else if let Some(job) = window.queue.current().map(|task| task.job) {
         apply(window, Action::StopTask(job), ctx);
     }

@@ -188,11 +188,7 @@ fn whatever_is_done_no_part_panics() {
         if !harness.state().is_busy() {
             break;
         }
-        // Open: beside other tests, ray depths that are measured under an open menu go on. It is said, not hidden.
-        if frame == MANY_FRAMES {
-            eprintln!("STILL BUSY: what runs did not end by Escape within {MANY_FRAMES} frames");
-            break;
-        }
+        assert!(frame < MANY_FRAMES, "what runs did not end by Escape");
         harness.key_press(Key::Escape);
         harness.step();
         std::thread::sleep(Duration::from_millis(10));
