@@ -102,6 +102,26 @@ pub trait Sink: Sync {
 /// Nobody listens.
 impl Sink for () {}
 
+/// Keeps what a person is told.
+#[cfg(test)]
+#[derive(Default)]
+pub(crate) struct Told(std::sync::Mutex<Vec<String>>);
+
+#[cfg(test)]
+impl Sink for Told {
+    fn warning(&self, text: String) {
+        self.0.lock().unwrap().push(text);
+    }
+}
+
+#[cfg(test)]
+impl Told {
+    /// What was said since the last time.
+    pub(crate) fn take(&self) -> Vec<String> {
+        std::mem::take(&mut *self.0.lock().unwrap())
+    }
+}
+
 /// What is handed to every long computation.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {

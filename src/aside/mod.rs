@@ -285,18 +285,19 @@ fn replace(file: &File, path: &Path) -> io::Result<()> {
     })
 }
 
+/// What lies in a folder, sorted.
+#[cfg(test)]
+pub(crate) fn names(folder: &Path) -> Vec<String> {
+    let mut all: Vec<_> = folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    all.sort();
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use std::io::Write;
 
     use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let mut all: Vec<_> =
-            folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        all.sort();
-        all
-    }
 
     fn write(path: &Path, text: &str) -> NewFile {
         let mut new = NewFile::new(path).unwrap();

@@ -1,7 +1,7 @@
 //! Several photos of one subject, taken by a hand that moved a little: depth that was measured, and rays that were seen.
 //!
 //! ```text
-//! photos ─pyramid, track─► matches ─start, adjust─► poses ─gain─► frames ─sweep, sgm─► inverse depth
+//! photos ─pyramid, track─► matches ─start, adjust─► poses ─gain─► frames ─sweep─► inverse depth
 //!        ─fill (with the depth net)─► reference map ─synth─► light field ─views─► rays that other photos saw
 //! ```
 //!
@@ -18,7 +18,6 @@ mod gain;
 pub(crate) mod made;
 mod pose;
 mod pyramid;
-mod sgm;
 mod sides;
 mod start;
 mod sweep;

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 
 use super::BurstError;
 use super::camera::{Focal, Pose, pixel_of_place, place_of_pixel};
-use super::sgm::Volume;
 use crate::field::{Raster, Size, View, ramp, sides};
 use crate::job::{Job, Stage};
+use crate::synth::semiglobal::{Changes, Volume, lowest};
 
 /// Shift between two planes in the frame that moved most, in pixels.
 const PLANE_PX: f64 = 0.5;
@@ -27,6 +27,11 @@ const WEIGHTS: [f32; 3] = [0.16, 1.2, 1.6];
 const WORST: f32 = 0.4;
 /// Cost of what no frame sees.
 const UNSEEN: f32 = 0.5 * WORST;
+/// What a change by one plane costs, and a larger one at an edge and on even colour. Costs of a plane reach 1000.
+const NEXT: i16 = 24;
+const CHANGED: [i16; 2] = [60, 420];
+/// Difference of brightness, 0 … 1, at which a large change costs half as much.
+const EDGE: f32 = 0.03;
 /// Most frames that are swept.
 const MOST_FRAMES: usize = 10;
 /// By how much other planes are worse, as a sum over eight paths, where nothing and everything tells.
@@ -112,7 +117,7 @@ pub fn measure(
     let own = signs(reference);
     let mut volume = Volume {
         sides: sides(size),
-        planes: planes.len(),
+        labels: planes.len(),
         costs: vec![0; sides(size).iter().product::<usize>() * planes.len()],
     };
     let batch = 2 * rayon::current_num_threads().max(1);
@@ -126,8 +131,12 @@ pub fn measure(
     }
     job.advance(Stage::Sweep, planes.len() as u32, planes.len() as u32 + 8)?;
     let luma: Vec<f32> = own.pixels().iter().map(|sign| sign.y / WEIGHTS[1]).collect();
-    let sums = volume.agreed(&luma, job.cancel)?;
-    let mut measured = best(&sums, &planes, size);
+    let other = |a: usize, b: usize| {
+        let step = (luma[a] - luma[b]).abs() / EDGE;
+        (f32::from(CHANGED[1]) / (1.0 + step)).max(f32::from(CHANGED[0])) as i16
+    };
+    let heard = volume.heard(&Changes { next: NEXT, other }, job.cancel)?;
+    let mut measured = best(&heard.costs, &planes, size);
     let agree = agreement(&own, &swept, focal, &measured.inverse_depth);
     measured.certain.pixels_mut().iter_mut().zip(agree).for_each(|(certain, agree)| *certain *= agree);
     job.advance(Stage::Sweep, planes.len() as u32 + 8, planes.len() as u32 + 8)?;
@@ -271,11 +280,7 @@ struct Found {
 impl Found {
     fn of(sums: &[i16]) -> Self {
         let n = sums.len();
-        let at = (0..n).min_by_key(|i| sums[*i]).unwrap_or_default();
-        let [before, here, after] = [at.max(1) - 1, at, (at + 1).min(n - 1)].map(|i| f32::from(sums[i]));
-        let bend = before - 2.0 * here + after;
-        let inside = at > 0 && at + 1 < n && bend > 0.5;
-        let shift = if inside { ((before - after) / (2.0 * bend)).clamp(-0.5, 0.5) } else { 0.0 };
+        let (at, shift) = lowest(sums);
         let apart = |i: &usize| i.abs_diff(at) > OTHER_PLANE.max(n / 16);
         let other = (0..n).filter(apart).map(|i| sums[i]).min().unwrap_or(sums[at]);
         Self { plane: at as f32 + shift, margin: f32::from(other - sums[at]) }

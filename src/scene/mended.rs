@@ -87,24 +87,12 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Mutex;
-
     use super::*;
     use crate::field::{Strength, ViewIndex};
     use crate::io::formats::depth_map::GivenDepth;
-    use crate::job::{Cancel, Sink};
+    use crate::job::{Cancel, Told};
     use crate::repair::{Operation, Region, Repair};
     use crate::scene::{Content, DepthFrom, Edit, Focus, Maker, Making, Need, OutputSize, Recipe, Recorded};
-
-    /// Keeps what a person is told.
-    #[derive(Default)]
-    struct Told(Mutex<Vec<String>>);
-
-    impl Sink for Told {
-        fn warning(&self, text: String) {
-            self.0.lock().unwrap().push(text);
-        }
-    }
 
     /// The sample with its true map.
     fn subject() -> Arc<Subject> {
@@ -122,7 +110,7 @@ mod tests {
         let told = Told::default();
         let job = Job { cancel: &Cancel::default(), sink: &told };
         let scene = Maker::default().scene(subject, &making(repairs.clone()), need, &job).unwrap();
-        (scene, told.0.into_inner().unwrap())
+        (scene, told.take())
     }
 
     /// The flower's head goes far back.

@@ -256,26 +256,10 @@ mod tests {
     use super::*;
     use crate::burst::made::{Made, Taking, fit};
     use crate::field::{ViewIndex, nearest};
-    use crate::job::{Cancel, Sink};
+    use crate::job::{Cancel, Told};
     use crate::scene::export::{self, Kind, Settings};
     use crate::scene::{Edit, Maker};
     use glam::DVec3;
-
-    /// Keeps what a person is told.
-    #[derive(Default)]
-    struct Told(Mutex<Vec<String>>);
-
-    impl Sink for Told {
-        fn warning(&self, text: String) {
-            self.0.lock().unwrap().push(text);
-        }
-    }
-
-    impl Told {
-        fn take(&self) -> String {
-            std::mem::take(&mut *self.0.lock().unwrap()).join("\n")
-        }
-    }
 
     fn saved(folder: &std::path::Path, name: &str, view: &View) -> PathBuf {
         let path = folder.join(name);
@@ -311,12 +295,12 @@ mod tests {
         paths.push(dir.path().join("broken.jpg"));
         std::fs::write(&paths[7], b"no picture").unwrap();
         let subject = Arc::new(Subject::open_several(&paths, SeveralAsked::default(), &job).unwrap());
-        let texts = told.take();
+        let texts = told.take().join("\n");
         assert!(texts.contains("tall.png is left out") && texts.contains("broken.jpg — it is left out"), "{texts}");
 
         let (maker, how) = (Maker::default(), Making { long_side: 200, ..Making::default() });
         let scene = maker.scene(&subject, &how, Need::Views, &job).unwrap();
-        assert_eq!(told.take(), "");
+        assert!(told.take().is_empty());
         let found = scene.several().unwrap();
         assert!(found.used == 6 && found.reprojection_px < 0.5, "{found:?}");
         let MadeViews { field, provenance, .. } = scene.made_views().unwrap();
@@ -368,7 +352,7 @@ mod tests {
         let subject = Arc::new(Subject::open_several(&paths, SeveralAsked::default(), &job).unwrap());
         let how = Making { long_side: 120, ..Making::default() };
         let scene = Maker::default().scene(&subject, &how, Need::Map, &job).unwrap();
-        assert!(told.take().contains("the camera did not move; one photo is used"));
+        assert!(told.take().join("\n").contains("the camera did not move; one photo is used"));
         let one = Arc::new(Subject::open(&paths[0], &job).unwrap());
         assert_eq!(scene.map(), Maker::default().scene(&one, &how, Need::Map, &job).unwrap().map());
         let wrong = SeveralAsked { reference: 2, share: None };

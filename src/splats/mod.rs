@@ -6,7 +6,7 @@
 //! * `project`, `raster`: one picture, by tiles, from near to far, with the expected disparity of each ray.
 //! * [`Stage::new`]: a camera for a file that names none.
 //! * [`views`](self): the grid of views; [`Stage::through_lens`]: true defocus, by many views over the lens's opening.
-//! * [`from_field`]: one Gaussian for each point that a light field's rays end at.
+//! * [`from_field()`]: one Gaussian for each point that a light field's rays end at.
 //!
 //! Space is that of cameras in photogrammetry: x right, y down, z away from the camera. The conventions of pixels and
 //! disparities are those of [`crate::field`].

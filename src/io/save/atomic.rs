@@ -91,13 +91,7 @@ mod tests {
     use std::io::Write;
 
     use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let mut all: Vec<_> =
-            folder.read_dir().unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        all.sort();
-        all
-    }
+    use crate::aside::names;
 
     fn write(text: &'static str) -> impl FnOnce(&mut File) -> Result<(), SaveError> {
         move |file| file.write_all(text.as_bytes()).map_err(|e| SaveError::from_io(&e, Path::new("")))

@@ -6,17 +6,16 @@
 //! least is found between two disparities. A small sweep finds the range, a larger one the map.
 
 mod cost;
-mod labels;
 mod shift;
 
 use rayon::prelude::*;
 
+use super::semiglobal::{Changes, DIRECTIONS, Volume, lowest};
 use super::upsample;
 use super::{SynthError, lift};
 use crate::field::{DisparityMap, LightField, RayDepths, Size, ViewGrid, ViewIndex, disparity_scale, fit_long_side};
 use crate::job::{Cancelled, Job, Stage};
 use cost::Views;
-use labels::Volume;
 
 /// Long side of the sweep that finds the range.
 const COARSE_LONG_SIDE: u32 = 160;
@@ -37,6 +36,11 @@ const REACH_SHARE: f32 = 0.002;
 const TELLING: f32 = 0.002;
 /// What a plane costs more for each pixel of disparity: where nothing tells, 0 is taken.
 const COST_PER_PX: f32 = 1e-4;
+/// What the neighbour's next disparity costs, and what any other does where no colour changes.
+const NEXT: f32 = 0.003;
+const OTHER: f32 = 0.015;
+/// A change of colour (mean of the channels, 0 … 1) at which a break costs half as much.
+const HALVING: f32 = 0.02;
 
 /// The disparity of every ray of a light field, measured from its views.
 ///
@@ -135,16 +139,25 @@ impl Sweep {
     /// The disparity of each pixel, its neighbours heard.
     fn map(&self, costs: &[Vec<f32>], job: &Job) -> Result<DisparityMap, SynthError> {
         let (heard, reference) = (self.heard(costs, job)?, &self.views.reference);
-        let of = |pixel: usize| self.disparity(labels::best(heard.of(pixel)));
+        let of = |pixel: usize| self.best(heard.of(pixel));
         let disparity_px = (0..reference.pixels().len()).into_par_iter().map(of).collect();
         Ok(DisparityMap::new(reference.size(), disparity_px)?)
     }
 
+    /// The disparity of least cost, between planes by a parabola.
+    fn best(&self, costs: &[f32]) -> f32 {
+        let (plane, beside) = lowest(costs);
+        self.disparity(plane as f32 + beside)
+    }
+
     /// The costs by pixel, neighbours heard.
-    fn heard(&self, costs: &[Vec<f32>], job: &Job) -> Result<Volume, Cancelled> {
+    fn heard(&self, costs: &[Vec<f32>], job: &Job) -> Result<Volume<f32>, Cancelled> {
         let reference = &self.views.reference;
         let difference = |a: usize, b: usize| (reference.pixels()[a] - reference.pixels()[b]).abs().element_sum() / 6.0;
-        Volume::new(reference.sides(), costs).heard(difference, job.cancel)
+        let changes = Changes { next: NEXT, other: |a, b| OTHER / (1.0 + difference(a, b) / HALVING) };
+        let mut heard = Volume::of_planes(reference.sides(), costs).heard(&changes, job.cancel)?;
+        heard.costs.iter_mut().for_each(|cost| *cost /= DIRECTIONS as f32);
+        Ok(heard)
     }
 
     /// Least and greatest disparity of the pixels that tell it, a few outliers left out.
@@ -153,7 +166,7 @@ impl Sweep {
         let found = |pixel: usize| {
             let of = || costs.iter().map(|plane| plane[pixel]);
             let (least, most) = of().fold((f32::MAX, 0.0f32), |(least, most), c| (least.min(c), most.max(c)));
-            (most - least > TELLING).then(|| self.disparity(labels::best(heard.of(pixel))))
+            (most - least > TELLING).then(|| self.best(heard.of(pixel)))
         };
         let mut sorted: Vec<f32> = (0..self.views.reference.pixels().len()).into_par_iter().filter_map(found).collect();
         sorted.par_sort_unstable_by(f32::total_cmp);
