@@ -24,8 +24,9 @@ pub(crate) use orient::orient;
 pub(crate) const MAX_DECODED_BYTES: u64 = 1 << 30;
 /// Bytes of pixels that any header may claim: 64 megapixels of 8 bits.
 const UNQUESTIONED_BYTES: u64 = 256 << 20;
-/// Pixels beyond that which a byte of the file may stand for; photos have 2 to 20.
-const MAX_PIXELS_PER_BYTE: u64 = 50;
+/// Pixels beyond that which a byte of the file may stand for. Photos have 2 to 20; of an even surface deflate makes 1032
+/// bytes from one, each of up to eight pixels.
+const MAX_PIXELS_PER_BYTE: u64 = 8 * 1032;
 
 /// A decoded picture as it lies in the file: not turned, alpha kept.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! `plenoscope-train paper`: the paper's methods trained, judged and reported with one command.
 //!
-//! Each [`Method`] is a run of its own in `OUT/methods`, and goes on where it was stopped. [`judge`] asks each for the views of
-//! light fields that none has seen; [`findings`] sets them beside what the paper found; [`report`] writes it down.
+//! Each [`Method`] is a run of its own in `OUT/methods`, and goes on where it was stopped. `judge` asks each for the views of
+//! light fields that none has seen; `findings` sets them beside what the paper found; `report` writes it down.
 
 mod charts;
 mod fields;
