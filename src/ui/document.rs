@@ -44,7 +44,8 @@ impl Document {
     pub fn read(path: &Path, job: &Job) -> Result<Self, String> {
         let opened = io::open(path, job).map_err(|error| sentence(&error))?;
         let warnings = opened.info().warnings.clone();
-        Ok(Self::with_sidecar(Subject::from_opened(opened, path), path, warnings))
+        let subject = Subject::whole(opened, path, job).map_err(|error| sentence(&error))?;
+        Ok(Self::with_sidecar(subject, path, warnings))
     }
 
     /// Reads photos of one subject, and the edit that lies beside the first of them.
