@@ -21,7 +21,7 @@
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence; [`crash`]: what
 //!   is kept of a fault in the program.
 //! * [`aside`]: files and folders that are there whole or not at all; [`within`]: what others sent, within bounds;
-//!   [`shard`]: one of several parts of some work.
+//!   [`shard`]: one of several parts of some work; [`markup`]: text inside HTML and XML.
 //!
 //! A photo, refocused on what is seen at a place of it:
 //!
@@ -61,6 +61,7 @@ pub mod field;
 pub mod io;
 pub mod job;
 pub mod kernel;
+pub mod markup;
 mod panics;
 pub mod render;
 pub mod repair;

@@ -13,6 +13,7 @@ use plenoscope::shard::Shard;
 use plenoscope::synth::Scale;
 
 use crate::burst_args::Burst;
+use crate::embed_args::EmbedArgs;
 use crate::values::{self, KeepSharp, Pair, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
@@ -226,7 +227,8 @@ pub struct SynthArgs {
 /// An edit whose depth is used.
 #[derive(Clone, Debug, Args)]
 pub struct RecipeArgs {
-    /// An edit as the window keeps it: where its depth comes from and what was mended of it; other arguments go before it
+    /// An edit as the window keeps it: where its depth comes from and what was mended of it; other arguments go before it;
+    /// "embedded" is the one that the picture carries, of the photo that it was made of
     #[arg(long, value_name = "FILE.json")]
     pub recipe: Option<PathBuf>,
 }
@@ -241,7 +243,8 @@ pub struct Refocus {
     pub output: PathBuf,
     #[command(flatten)]
     pub lens: LensArgs,
-    /// An edit to apply, as the window keeps it; other arguments go before it
+    /// An edit to apply, as the window keeps it; other arguments go before it; "embedded" is the one that the picture
+    /// carries, of the photo that it was made of, which is in it or beside it
     #[arg(long, value_name = "FILE.json")]
     pub recipe: Option<PathBuf>,
     /// Where the lens stands: steps from the reference view, fractions allowed, u to the right, v down
@@ -257,8 +260,10 @@ pub struct Refocus {
     #[arg(long, value_name = "N", value_parser = values::bits)]
     pub bits: Option<u8>,
     /// Leave EXIF and XMP out; the colour profile stays
-    #[arg(long)]
+    #[arg(long, conflicts_with = "embed")]
     pub strip_metadata: bool,
+    #[command(flatten)]
+    pub embed: EmbedArgs,
     /// Print the lens as a JSON object: what real lens it is, what is in focus and sharp in metres, how wide the blur is
     #[arg(long)]
     pub json: bool,
@@ -434,21 +439,23 @@ pub struct Export {
     pub kind: Kind,
     #[command(flatten)]
     pub lens: LensArgs,
-    /// Size of the frames of focal-stack, animation and video, and of html: photo, light-field, or WxH to fit into
+    /// Size of the frames of focal-stack, animation, video and frames, and of html: photo, light-field, or WxH to fit into
     #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
     pub size: Option<OutputSize>,
-    /// Frames of focal-stack and animation (24), and of video (90, or its timeline's seconds)
+    /// Frames of focal-stack and animation (24), and of video and frames (90, or its timeline's seconds)
     #[arg(long, value_name = "N", value_parser = values::frames())]
     pub frames: Option<u16>,
     /// Frames a second of animation (12) and of video (30)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=50))]
     pub frames_per_second: Option<u16>,
-    /// What moves in animation and video: the recipe's timeline, else focus-pull
+    /// What moves in animation, video and frames: the recipe's timeline, else focus-pull
     #[arg(long, value_name = "MOTION", value_parser = values::movements())]
     pub motion: Option<Movement>,
     /// Distance of the eyes of anaglyph and side-by-side, in view steps
     #[arg(long, value_name = "STEPS", default_value_t = Settings::EYES_APART, value_parser = values::eyes_apart)]
     pub eyes_apart: f32,
+    #[command(flatten)]
+    pub embed: EmbedArgs,
     #[command(flatten)]
     pub recipe: RecipeArgs,
     #[command(flatten)]

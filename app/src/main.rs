@@ -5,6 +5,7 @@
 mod burst_args;
 mod cli;
 mod commands;
+mod embed_args;
 mod output;
 mod progress;
 mod values;

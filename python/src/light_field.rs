@@ -186,7 +186,7 @@ pub fn light_field(views: &Bound<'_, PyAny>, depths: Option<&Bound<'_, PyAny>>, 
         layout: Layout::default(),
     };
     let content = Content::Views(recorded);
-    Ok(LightField::of_subject(Subject { name: name.to_owned(), path: None, info: None, content }))
+    Ok(LightField::of_subject(Subject { name: name.to_owned(), path: None, file: None, info: None, content }))
 }
 
 /// Writes a light field, and says where.

@@ -47,6 +47,7 @@ pub fn refocus<'py>(
 fn refocused(py: Python<'_>, options: &Options) -> PyResult<Refocus> {
     let at = options.get::<(f32, f32)>("at", "a pair (u, v)")?;
     Ok(Refocus {
+        embed: None,
         lens: lens(py, options)?,
         at: at.map(|(du, dv)| ViewOffset { dv, du }),
         size: size(py, options)?,

@@ -1,6 +1,6 @@
-//! What we need from EXIF: which way up, how long the lens, and how far the subject.
+//! What we need from EXIF: which way up, how long the lens, how far the subject, and whether it tells a place.
 
-use exif::{Exif, In, Reader, Tag, Value};
+use exif::{Context, Exif, In, Reader, Tag, Value};
 
 /// Orientation 1 … 8 of an EXIF block (a TIFF structure); 1 where it says nothing sensible.
 pub(crate) fn orientation(tiff: &[u8]) -> u8 {
@@ -24,6 +24,11 @@ pub fn subject_distance_m(tiff: &[u8]) -> Option<f32> {
         Value::Rational(values) => values.first().map(|m| m.to_f32()).filter(|m| m.is_finite() && *m > 0.0),
         _ => None,
     }
+}
+
+/// Whether it says where the photo was taken.
+pub fn has_position(tiff: &[u8]) -> bool {
+    parse(tiff).is_some_and(|exif| exif.fields().any(|field| field.tag.context() == Context::Gps))
 }
 
 fn parse(tiff: &[u8]) -> Option<Exif> {

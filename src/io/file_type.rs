@@ -51,7 +51,7 @@ impl FileType {
     pub(crate) fn open(&self, bytes: &[u8]) -> Result<PhotoFile, Problem> {
         match (self.photo, self.pixels) {
             (Some(open), _) => open(bytes),
-            (None, Some(_)) => PhotoFile::from_raster(raster::decode(bytes)?, self.name),
+            (None, Some(_)) => Ok(PhotoFile::from_raster(raster::decode(bytes)?, self.name)?.with_xmp()),
             (None, None) => Err(Problem::Unsupported {
                 format: self.name,
                 reason: "it is a map of numbers, not a picture".to_owned(),

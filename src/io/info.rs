@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::DisparityMap;
+use super::carried::Carried;
 use super::formats::layout::Layout;
 use super::raster::orient;
 use crate::field::{FieldError, LightField, Photo, Provenance, RayDepths, RelativeDepth};
@@ -48,6 +49,8 @@ pub struct PhotoFile {
     pub photo: Arc<Photo>,
     /// Depth that the phone measured.
     pub depth: Option<EmbeddedDepth>,
+    /// What it says of how it was made, where this program wrote it; else why that cannot be used.
+    pub carried: Option<Result<Carried, String>>,
     /// The scene that it is a picture of, where the file holds Gaussian splats.
     pub splats: Option<Arc<Pictured>>,
     /// What the file is.
@@ -61,8 +64,6 @@ pub struct PhotoFile {
 pub struct LightFieldFile {
     /// The views.
     pub field: Arc<LightField>,
-    /// Whether the views are only those at the corners of the grid: upper left, upper right, lower left, lower right.
-    pub corners: bool,
     /// The disparity of every ray, where the file has it.
     pub depths: Option<Arc<RayDepths>>,
     /// Where each ray's colour comes from, where the file says it.
@@ -88,7 +89,6 @@ impl LightFieldFile {
         let warnings = info.warnings.clone();
         Self {
             field,
-            corners: false,
             depths,
             provenance: None,
             reference_disparity: None,

@@ -2,6 +2,7 @@
 //!
 //! * [`open()`] and [`open_bytes`]: anything people have → a [`PhotoFile`] or a [`LightFieldFile`].
 //! * [`formats`]: one file for each light-field or depth format, and the table of who reads and writes what.
+//! * [`carried`]: what a picture of this program says of how it was made.
 //! * [`opening`]: a picture as the opening of a lens.
 //! * [`folder`]: the photos beside a photo, in natural order.
 //!
@@ -9,6 +10,7 @@
 //! (a broken depth map in a sound photo) becomes a warning.
 
 pub mod apart;
+pub mod carried;
 #[cfg(test)]
 mod data_tests;
 mod error;
@@ -31,4 +33,4 @@ mod xmp;
 pub use crate::field::DisparityMap;
 pub use error::{OpenError, Problem};
 pub use info::{DepthInfo, DepthKind, EmbeddedDepth, FileInfo, FileKind, LightFieldFile, Opened, PhotoFile};
-pub use open::{open, open_bytes};
+pub use open::{MAX_FILE_BYTES, open, open_bytes};

@@ -4,9 +4,11 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 
+use super::carried::{self, Carried};
 use super::file_type::FileType;
-use super::formats;
+use super::formats::{self, phone::gdepth};
 use super::raster::{self, Raster};
+use super::xmp::Xmp;
 use super::{DepthInfo, EmbeddedDepth, FileInfo, FileKind, OpenError, Opened, PhotoFile, Problem, exif, folder};
 use crate::aside::parent;
 use crate::field::Photo;
@@ -14,9 +16,12 @@ use crate::job::{Cancel, Job, Stage};
 use crate::within;
 
 /// The longest file that is read: a light field of 17×17 views in one TIFF stays below.
-pub(crate) const MAX_FILE_BYTES: u64 = 1 << 30;
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
 /// The longest text that is read: an index file.
 pub(crate) const MAX_TEXT_BYTES: u64 = 16 << 20;
+
+/// What a picture's edit is called among the notes.
+const CARRIED: &str = "inside";
 
 /// Opens a photo or a light field: a file, or a folder of views. A folder of photos opens as its first photo.
 ///
@@ -108,13 +113,40 @@ impl PhotoFile {
             notes: Vec::new(),
             warnings: warnings.clone(),
         };
-        Ok(Self { photo: Arc::new(photo), depth: None, splats: None, info, warnings })
+        Ok(Self { photo: Arc::new(photo), depth: None, carried: None, splats: None, info, warnings })
     }
 
     /// Takes a depth map in.
     pub(crate) fn set_depth(&mut self, depth: EmbeddedDepth) {
         self.info.embedded_depth = Some(DepthInfo::from(&depth));
         self.depth = Some(depth);
+    }
+
+    /// Takes in what this program writes into the XMP of every format: an edit, and depth as phones write it.
+    pub(crate) fn with_xmp(mut self) -> Self {
+        let metadata = self.photo.metadata();
+        // A broken packet goes along as it is.
+        let Some(Ok(xmp)) = metadata.xmp.as_deref().map(Xmp::parse) else { return self };
+        let orientation = metadata.orientation;
+        self.take_carried(carried::find(&xmp, None));
+        let oriented = |depth: EmbeddedDepth| depth.oriented(orientation).map_err(|error| error.to_string());
+        match gdepth::find(&xmp, None).map(|found| found.and_then(oriented)) {
+            Some(Ok(depth)) => self.set_depth(depth),
+            Some(Err(why)) => self.warn(formats::depth_left_out(&why)),
+            None => {}
+        }
+        self
+    }
+
+    /// Takes in what its XMP says of how it was made.
+    pub(crate) fn take_carried(&mut self, found: Option<Result<Carried, String>>) {
+        let told = found.as_ref().map(|found| match found {
+            Ok(carried) => format!("{} (--recipe embedded)", carried.told()),
+            Err(why) => format!("an edit that cannot be used: {why}"),
+        });
+        self.info.notes.retain(|(name, _)| name != CARRIED);
+        self.info.notes.extend(told.map(|text| (CARRIED.to_owned(), text)));
+        self.carried = found;
     }
 
     /// Tells the person something.

@@ -97,7 +97,7 @@ fn halves(file: &PhotoFile) -> Result<Vec<PhotoFile>, Problem> {
         }
         let mut info = file.info.clone();
         info.size = [half, height];
-        Ok(PhotoFile { photo: Arc::new(cut), depth: None, splats: None, info, warnings: Vec::new() })
+        Ok(PhotoFile { photo: Arc::new(cut), depth: None, carried: None, splats: None, info, warnings: Vec::new() })
     };
     Ok(vec![cut(0)?, cut(width - half)?])
 }

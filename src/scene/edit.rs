@@ -48,6 +48,8 @@ pub struct Edit {
     pub grain: f32,
     /// The faults of the lens.
     pub glass: Glass,
+    /// The disparity of what stays where it is while the eye goes round.
+    pub pivot: f32,
     /// A distance that the person knows, where metres are read off the lens.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<Distance>,
@@ -82,6 +84,11 @@ impl Edit {
         let shape = self.shape.clone();
         let (curve_px, fringes_px) = (glass.curve_px(width), glass.fringes_px(width));
         Lens { f_number, shape, focus, keep_sharp_px, highlights, grain, glass, curve_px, fringes_px }
+    }
+
+    /// What stays where it is while the eye goes round, in pixels of a width.
+    pub fn pivot_px(&self, width: u32, strength: Strength) -> f32 {
+        self.pivot * width as f32 * strength.0
     }
 
     /// The same edit with the disparities of a lens, which are in pixels of `width` and of a strength; the place in focus is

@@ -410,7 +410,7 @@ mod tests {
         let phone = Some(Arc::new(EmbeddedDepth { kind: DepthKind::DynamicDepth, map, metric }));
         let content =
             Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, splats: None, truth: None, several: None });
-        let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, info: None, content });
+        let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, file: None, info: None, content });
         let job = Job { cancel: &Cancel::default(), sink: &() };
         let scene = Maker::default().scene(&subject, &Making::default(), Need::Map, &job).unwrap();
         [scene.map().at(8, 32), scene.map().at(88, 32)]

@@ -208,7 +208,7 @@ mod tests {
             provenance: None,
             layout: Default::default(),
         });
-        let recorded = Arc::new(Subject { name: String::new(), path: None, info: None, content });
+        let recorded = Arc::new(Subject { name: String::new(), path: None, file: None, info: None, content });
         let (mended, told) = scene(&recorded, &repairs(&recorded), Need::Views);
         assert!(told.is_empty(), "{told:?}");
         let views = mended.made_views().unwrap();

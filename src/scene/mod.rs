@@ -17,9 +17,11 @@
 pub mod asked;
 pub mod batch;
 mod edit;
+mod embed;
 mod error;
 pub mod export;
 pub mod focus;
+pub mod layers;
 mod make;
 mod mended;
 pub mod models;
@@ -37,6 +39,7 @@ pub mod timeline;
 pub mod trust;
 
 pub use edit::{Edit, Focus};
+pub use embed::{Embed, Part, Restored};
 pub use error::SceneError;
 pub use make::{Maker, Making, Need};
 pub use mended::OTHER_PHOTO;

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Content, Edit, Focus, SceneError, SeveralFound, Subject, focus, sharp};
 use crate::field::{
-    DisparityMap, FNumber, Lens, LightField, Photo, Picture, Pixels, Provenance, RayDepths, Strength, fit_long_side,
+    DisparityMap, FNumber, Lens, LightField, Photo, Picture, Pixels, Provenance, RayDepths, Strength, ViewPoint,
+    fit_long_side,
 };
 use crate::io::save::Origin;
 use crate::job::Job;
@@ -301,8 +302,10 @@ impl Scene {
     pub fn sums_views(&self, edit: &Edit, size: OutputSize) -> bool {
         let Some(views) = &self.views else { return false };
         let is_asked_for = size == OutputSize::LightField;
+        // Views turn around disparity 0.
+        let is_turned = edit.pivot != 0.0 && edit.viewpoint != ViewPoint::default() && !is_asked_for;
         let is_own_size = self.subject.photo().is_none() && self.picture_size(size) == views.field.size();
-        (is_asked_for || is_own_size) && views.field.grid().spans(edit.f_number) && edit.glass.is_plain()
+        (is_asked_for || is_own_size) && !is_turned && views.field.grid().spans(edit.f_number) && edit.glass.is_plain()
     }
 
     /// What must be made of a subject for a picture of this size.
@@ -347,7 +350,8 @@ impl Scene {
 
     fn seen(&self, edit: &Edit, size: OutputSize, space: Space, job: &Job) -> Result<(Rgbd, [u32; 2]), SceneError> {
         let size = self.picture_size(size);
-        Ok((self.rgbd()?.in_space(space).seen_from(edit.viewpoint, size, job)?, size))
+        let pivot_px = edit.pivot_px(self.map.size()[0], self.strength);
+        Ok((self.rgbd()?.in_space(space).seen_from(edit.viewpoint, pivot_px, size, job)?, size))
     }
 
     /// Shift and add (paper, §1); closed down, the view itself.

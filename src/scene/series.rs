@@ -1,4 +1,4 @@
-//! Series of pictures into files: the focal stack, a pull of the focus, a ramp of the aperture, a turn of the viewpoint.
+//! Series of pictures into files: the focal stack, films and their frames: a pull of the focus, a ramp of the aperture, a turn of the viewpoint.
 
 use std::path::Path;
 
@@ -106,7 +106,7 @@ fn stack_into(
     let steps = u32::from(frames) + 1;
     for (number, lens) in (0..).zip(lenses(&scene.lens(edit), Motion::FocusPull(range), frames.into())) {
         job.advance(Stage::Refocus, number, steps)?;
-        write(&format!("frame_{number:03}.png"), &prepared.render(&lens, whole, &quiet)?)?;
+        write(&frame_name(number), &prepared.render(&lens, whole, &quiet)?)?;
     }
     job.advance(Stage::Refocus, steps - 1, steps)?;
     write("all_in_focus.png", &prepared.all_in_focus(&quiet)?)?;
@@ -179,17 +179,53 @@ pub fn animation(
     options: &AnimationOptions,
     job: &Job,
 ) -> Result<(), SceneError> {
-    let count = options.frames as usize;
+    with_frames(scene, edit, moving, size, options.frames, job, |frames| save::animation(path, frames, options))
+}
+
+/// Writes a folder of the frames, `frame_000.png` …, aside and then put in place.
+pub fn sequence(
+    scene: &Scene,
+    edit: &Edit,
+    moving: Moving,
+    size: OutputSize,
+    (folder, frames): (&Path, u32),
+    job: &Job,
+) -> Result<(), SceneError> {
+    let fail = |error: std::io::Error| SaveError::from_io(&error, folder);
+    let aside = NewFolder::new(folder).map_err(fail)?;
+    with_frames(scene, edit, moving, size, frames, job, |frames| {
+        for (number, picture) in (0..).zip(frames) {
+            save::picture(&aside.path().join(frame_name(number)), &picture?, &PictureOptions::default())?;
+        }
+        Ok(())
+    })?;
+    Ok(aside.put(is_of_stack).map_err(fail)?)
+}
+
+/// A picture of a folder.
+fn frame_name(number: u32) -> String {
+    format!("frame_{number:03}.png")
+}
+
+/// Hands the frames over, each made when it is asked for.
+fn with_frames(
+    scene: &Scene,
+    edit: &Edit,
+    moving: Moving,
+    size: OutputSize,
+    count: u32,
+    job: &Job,
+    take: impl FnOnce(&mut dyn Iterator<Item = Result<Picture, SceneError>>) -> Result<(), SceneError>,
+) -> Result<(), SceneError> {
     let quiet = Job { cancel: job.cancel, sink: &() };
-    let told = |number: u32| job.advance(Stage::Refocus, number, options.frames);
+    let told = |number: u32| job.advance(Stage::Refocus, number, count);
     if let Some(timeline) = moving.of(scene, edit)? {
         let mut frames = Frames { scene, size, ready: None };
-        let edits = scene.frames_of(&timeline, edit, options.frames);
         let frame = |(number, edit): (u32, Edit)| {
             told(number)?;
             frames.picture(&edit, &quiet)
         };
-        return save::animation(path, (0..).zip(edits).map(frame), options);
+        return take(&mut (0..).zip(scene.frames_of(&timeline, edit, count)).map(frame));
     }
     let motion = match moving.movement {
         Movement::Viewpoint => {
@@ -198,7 +234,7 @@ pub fn animation(
                 told(number)?;
                 scene.shown(&Edit { viewpoint, ..edit.clone() }, size, &quiet)
             };
-            return save::animation(path, (0..).zip(circle(radius, count)).map(frame), options);
+            return take(&mut (0..).zip(circle(radius, count as usize)).map(frame));
         }
         Movement::Focus => Motion::FocusPull(scene.map().range_px()),
         _ => Motion::ApertureRamp([FNumber::PHOTO.0, edit.f_number.0]),
@@ -209,5 +245,5 @@ pub fn animation(
         told(number)?;
         Ok(prepared.render(&lens, whole, &quiet)?)
     };
-    save::animation(path, (0..).zip(lenses(&scene.lens(edit), motion, count)).map(frame), options)
+    take(&mut (0..).zip(lenses(&scene.lens(edit), motion, count as usize)).map(frame))
 }

@@ -143,7 +143,7 @@ mod tests {
             provenance: None,
             layout: Default::default(),
         });
-        made(Subject { name: String::new(), path: None, info: None, content }, strength)
+        made(Subject { name: String::new(), path: None, file: None, info: None, content }, strength)
     }
 
     /// Mean difference of two views, 0 … 255.

@@ -12,9 +12,6 @@ use crate::job::Job;
 use crate::splats::Pictured;
 use crate::synth::{corners, reference_view};
 
-/// The most pixels of a view of which 64 are made.
-const LARGEST_CORNER: u64 = 6 << 20;
-
 /// An open file, or a picture that never was one.
 #[derive(Clone, Debug)]
 pub struct Subject {
@@ -22,6 +19,8 @@ pub struct Subject {
     pub name: String,
     /// Where it lies; none for a pasted picture and the sample.
     pub path: Option<PathBuf>,
+    /// Its file, where that lay in another one.
+    pub file: Option<Arc<[u8]>>,
     /// What the file is; none for what was no file.
     pub info: Option<FileInfo>,
     /// What is in it.
@@ -79,30 +78,7 @@ impl Subject {
         let opened = io::open(path, job)?;
         log::info!("opened {}", path.display());
         opened.info().warnings.iter().for_each(|warning| job.sink.warning(warning.clone()));
-        Self::whole(opened, path, job)
-    }
-
-    /// What was read from a path; where only the views at the corners are there, with those between.
-    ///
-    /// # Errors
-    /// Corners that are too large; cancelled.
-    pub fn whole(opened: Opened, path: &Path, job: &Job) -> Result<Self, SceneError> {
-        let corners = matches!(&opened, Opened::LightField(file) if file.corners);
-        let mut subject = Self::from_opened(opened, path);
-        if let Content::Views(recorded) = &mut subject.content
-            && corners
-        {
-            let [width, height] = recorded.shown.size();
-            if u64::from(width) * u64::from(height) > LARGEST_CORNER {
-                return Err(SceneError::Refused(format!(
-                    "64 views of {width}×{height} pixels do not fit into memory — give the four to `plenoscope synth \
-                     --corners`, which makes smaller ones: {}",
-                    path.display()
-                )));
-            }
-            *recorded = Recorded::between(recorded.shown.views(), job)?;
-        }
-        Ok(subject)
+        Ok(Self::from_opened(opened, path))
     }
 
     /// What was read from a path.
@@ -113,7 +89,7 @@ impl Subject {
             Opened::Photo(file) => Content::Photo(OnePhoto::from(*file)),
             Opened::LightField(file) => Content::Views(Recorded::from(*file)),
         };
-        Self { name, path: Some(path.to_owned()), info, content }
+        Self { name, path: Some(path.to_owned()), file: None, info, content }
     }
 
     /// A photo that is no file.
@@ -127,7 +103,7 @@ impl Subject {
             truth: None,
             several: None,
         });
-        Self { name: name.to_owned(), path: None, info: None, content }
+        Self { name: name.to_owned(), path: None, file: None, info: None, content }
     }
 
     /// The light field between four photos that were taken from the corners of a square: upper left, upper right, lower
@@ -149,9 +125,13 @@ impl Subject {
             }
             views.push(Arc::new(view));
         }
-        let recorded = Recorded::between(&views, job)?;
+        let (field, depths) = corners::between(&views, job)?;
+        let (shown, depths) = (Arc::new(field), Some(Arc::new(depths)));
+        let layout = Layout::default();
+        let recorded = Recorded { shown, depths, stored: None, reference: None, provenance: None, layout };
         let name = photos[0].file_name().unwrap_or(photos[0].as_os_str()).to_string_lossy().into_owned();
-        Ok(Self { name, path: Some(photos[0].to_owned()), info: None, content: Content::Views(recorded) })
+        let path = Some(photos[0].to_owned());
+        Ok(Self { name, path, file: None, info: None, content: Content::Views(recorded) })
     }
 
     /// The built-in sample, whose true disparity is known.
@@ -251,13 +231,6 @@ impl From<LightFieldFile> for Recorded {
 }
 
 impl Recorded {
-    fn between(corners: &[Arc<View>], job: &Job) -> Result<Self, SceneError> {
-        let (field, depths) = corners::between(corners, job)?;
-        let (shown, depths) = (Arc::new(field), Some(Arc::new(depths)));
-        let layout = Layout::default();
-        Ok(Self { shown, depths, stored: None, reference: None, provenance: None, layout })
-    }
-
     /// The views as they lie in their files.
     pub fn as_stored(&self) -> &Arc<LightField> {
         self.stored.as_ref().unwrap_or(&self.shown)

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use super::ask::Ask;
 use super::command::Command;
 use super::dialog::Dialog;
+use super::film::Cut;
 use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::worker::JobId;
@@ -42,6 +43,10 @@ pub enum Action {
     TakeOpening(Opening),
     /// Applies an edit of another photo.
     PasteEdit(Box<Recipe>),
+    /// Applies lens and export of a preset.
+    TakePreset(Box<Recipe>),
+    /// Keeps lens and export as a preset.
+    KeepPreset(String),
     /// Takes ray depths from elsewhere.
     TakeDepths(DepthFrom),
     /// Takes them from a map of one's own.
@@ -56,6 +61,10 @@ pub enum Action {
     StartExport(Vec<PathBuf>),
     /// Something that is told once was put away.
     Learn(Hint),
+    /// Changes the timeline.
+    Cut(Cut),
+    /// Puts the playhead somewhere, 0 … 1.
+    Playhead(f32),
     /// Stops one export.
     StopTask(JobId),
 }
@@ -77,6 +86,8 @@ impl Action {
             Self::Unrepair(_) => "take a repair away",
             Self::TakeOpening(_) => "take a picture as opening",
             Self::PasteEdit(_) => "paste an edit",
+            Self::TakePreset(_) => "apply a preset",
+            Self::KeepPreset(_) => "keep a preset",
             Self::TakeDepths(_) => "take depth from elsewhere",
             Self::TakeMap(_) => "take a depth map",
             Self::UseModels(_) => "take nets from a folder",
@@ -84,6 +95,8 @@ impl Action {
             Self::MakeAgain => "make the light field again",
             Self::StartExport(_) => "export",
             Self::Learn(_) => "put a hint away",
+            Self::Cut(_) => "change the timeline",
+            Self::Playhead(_) => "move the playhead",
             Self::StopTask(_) => "stop an export",
         }
     }

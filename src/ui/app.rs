@@ -19,7 +19,7 @@ use super::rest::Seen;
 use super::settings::Settings;
 use super::window::{Options, Window};
 use super::worker::{JobId, Outbox};
-use super::{history, inbox, input, mending, panels, screen, theme};
+use super::{film, history, inbox, input, mending, panels, screen, spoken, theme, widgets};
 use crate::field::{Lens, LightField};
 use crate::repair::Repairs;
 use crate::scene::{DepthFrom, Edit, Focus};
@@ -146,6 +146,14 @@ impl App {
         }
     }
 
+    /// Lets the film run.
+    fn play(&mut self, ctx: &egui::Context) {
+        if self.window.film.is_playing() && film::run(&mut self.window, ctx.input(|input| input.time)) {
+            self.window.look.is_moving = true;
+            ctx.request_repaint();
+        }
+    }
+
     /// Takes note of what a person has found out.
     fn learn(&mut self, before: &Edit) {
         let Window { edit, settings, .. } = &mut self.window;
@@ -238,6 +246,7 @@ impl eframe::App for App {
         let before = (self.window.edit.clone(), self.window.look.pose);
         self.window.look.is_moving = ctx.input(|input| input.pointer.any_down());
         self.circle(&ctx);
+        self.play(&ctx);
         let asked = panels::layout(&mut self.window, ui);
         self.apply(asked, &ctx);
         let asked = panels::dialog(&mut self.window, &ctx);
@@ -249,13 +258,15 @@ impl eframe::App for App {
         self.learn(&before.0);
         let place = self.toast_place(&ctx);
         self.window.toasts.show(&ctx, place);
+        spoken::show(&self.window, ui);
+        widgets::show_focus(&ctx);
         let Window { edit, look, .. } = &mut self.window;
         if (&before.0, before.1) != (&*edit, look.pose) {
             look.moved_at_secs = now();
         }
         self.mend();
         self.ask_for_pictures(&ctx);
-        if !self.window.look.is_circling {
+        if !self.window.look.is_circling && !self.window.film.is_playing() {
             self.keep_history(&ctx);
         }
         if !std::mem::replace(&mut self.has_begun, true) {

@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use egui::{Context, ViewportCommand};
 
 use super::action::Action;
-use super::ask::Ask;
+use super::ask::{Ask, Preset};
 use super::command::Command;
 use super::compare::{self, make_again};
 use super::dialog::Dialog;
 use super::document::Document;
+use super::film::{self, Cut};
 use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::look::{Face, Pose};
@@ -23,11 +24,16 @@ use super::window::Window;
 use crate::crash;
 use crate::field::{LensShape, ViewOffset, ViewPoint};
 use crate::io::formats::layout::Layout;
-use crate::scene::{Content, DepthFrom, Edit, Recipe, Subject};
+use crate::scene::export::Settings;
+use crate::scene::{Content, DepthFrom, Edit, Recipe, Subject, layers};
 
 /// Does what a person asked for.
 pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
     crash::note(action.name());
+    if !matches!(action, Action::Do(Command::PlayFilm)) {
+        // What is done while a film runs is done to the edit that it began with.
+        film::stop(window);
+    }
     match action {
         Action::Do(command) if can(window, command) => obey(window, command, ctx),
         Action::Do(_) => {}
@@ -52,6 +58,15 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
         }
         Action::TakeOpening(opening) => window.edit.shape = LensShape::Picture(opening),
         Action::PasteEdit(recipe) => paste_edit(window, &recipe),
+        Action::TakePreset(recipe) => {
+            window.edit = recipe.lens_over(&window.edit);
+            window.settings.export.picture = recipe.export.clone();
+            window.toasts.info("Applied the preset to lens and export");
+        }
+        Action::KeepPreset(name) => {
+            let recipe = Box::new(window.recipe());
+            window.workers.asker.push(Ask::Presets(Preset::Keep(name, recipe)));
+        }
         Action::TakeDepths(source) => {
             if source != DepthFrom::Map {
                 window.settings.source = source.clone();
@@ -76,6 +91,8 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
         Action::Learn(hint) => window.settings.hints.learn(hint),
         Action::MakeAgain => make_again(window),
         Action::StartExport(photos) => start_export(window, photos),
+        Action::Cut(cut) => film::cut(window, cut),
+        Action::Playhead(moment) => film::go(window, moment),
         Action::StopTask(job) => {
             if window.workers.saver.cancel(job) {
                 window.queue.end(job, State::Stopped);
@@ -109,7 +126,12 @@ fn can(window: &Window, command: Command) -> bool {
     let open = &window.open;
     match command {
         Command::Export | Command::CopyPicture => open.scene().is_some(),
-        Command::Peaking | Command::Trust => open.field().is_some(),
+        Command::Nearer | Command::Farther => open.rays().is_some(),
+        Command::PlayFilm => window.timeline.is_some() && open.scene().is_some(),
+        Command::AddKey => open.scene().is_some(),
+        Command::Earlier | Command::Later => window.timeline.is_some(),
+        Command::Film => open.document().is_some(),
+        Command::Peaking | Command::Trust | Command::Stereo => open.field().is_some(),
         Command::ResetViewpoint
         | Command::StepLeft
         | Command::StepRight
@@ -121,7 +143,9 @@ fn can(window: &Window, command: Command) -> bool {
         | Command::ToggleDepth => open.grid().is_some(),
         Command::Opposite | Command::Transpose | Command::Serpentine => matches!(open, Open::LightField(_)),
         Command::OwnDepth | Command::BeforeAfter => open.photo().is_some(),
-        Command::NextPhoto | Command::PreviousPhoto => open.subject().is_some_and(|subject| subject.path.is_some()),
+        Command::NextPhoto | Command::PreviousPhoto => {
+            open.document().is_some_and(|document| document.path().is_some())
+        }
         Command::CompareSources => open.photo().is_some() && open.scene().is_some(),
         Command::KeepSource => window.compare.at().is_some(),
         Command::Stop => window.is_busy() || window.compare.at().is_some() || window.mending.is_on,
@@ -153,6 +177,7 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         Command::OwnDepth => ask(window, |folder| Ask::DepthMap { folder }),
         Command::Paste => ask(window, |_| Ask::Clipboard),
         Command::PasteEdit => ask(window, |_| Ask::PasteEdit),
+        Command::Presets => ask(window, |_| Ask::Presets(Preset::List)),
         Command::OpenSample => window.open(OpenFrom::Sample),
         Command::NextPhoto => step_file(window, true),
         Command::PreviousPhoto => step_file(window, false),
@@ -189,6 +214,13 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         Command::StepDown => step_view(window, 0.0, 1.0),
         Command::CompareSources => compare::next(window),
         Command::KeepSource => compare::keep(window),
+        Command::Nearer => step_layer(window, true),
+        Command::Farther => step_layer(window, false),
+        Command::Film => window.film.is_shown = !window.film.is_shown,
+        Command::PlayFilm => film::toggle(window, ctx.input(|input| input.time)),
+        Command::AddKey => film::cut(window, Cut::Add),
+        Command::Earlier => film::cut(window, Cut::Step(-1.0)),
+        Command::Later => film::cut(window, Cut::Step(1.0)),
         Command::Circle => window.look.is_circling = !window.look.is_circling,
         Command::Opposite => lay_out(window, Layout::opposite),
         Command::Transpose => lay_out(window, |layout| Layout { transposed: !layout.transposed, ..layout }),
@@ -208,6 +240,11 @@ fn look(window: &mut Window, command: Command, ctx: &Context) {
             look.face = if look.face == Face::Depths { Face::Picture } else { Face::Depths };
         }
         Command::BeforeAfter => look.split.is_shown = !look.split.is_shown,
+        Command::Stereo => {
+            let (next, told) = look.stereo.next();
+            look.stereo = next;
+            window.toasts.info(told);
+        }
         Command::Peaking => settings.peaking = !settings.peaking,
         Command::Trust => settings.trust = !settings.trust,
         Command::Fit => look.pose = Pose::default(),
@@ -250,8 +287,8 @@ fn look(window: &mut Window, command: Command, ctx: &Context) {
 
 /// Opens the photo before or after this one.
 fn step_file(window: &Window, is_next: bool) {
-    if let Some(path) = window.open.subject().and_then(|subject| subject.path.clone()) {
-        window.workers.folder.replace(neighbours::Request::Step(path, is_next));
+    if let Some(path) = window.open.document().and_then(Document::path) {
+        window.workers.folder.replace(neighbours::Request::Step(path.to_owned(), is_next));
     }
 }
 
@@ -311,6 +348,18 @@ fn step_view(window: &mut Window, du: f32, dv: f32) {
     look_from(window, ViewOffset { dv: (at.dv + dv).round(), du: (at.du + du).round() });
 }
 
+/// Focuses on the depth layer before or behind the one that is in focus.
+fn step_layer(window: &mut Window, is_nearer: bool) {
+    let Some(rays) = window.open.rays() else { return };
+    let before = window.open.lens(&window.edit);
+    let layers = &rays.survey.layers_px;
+    let number = layers::nearest(layers, before.focus.disparity_px);
+    let number = if is_nearer { number.saturating_sub(1) } else { (number + 1).min(layers.len() - 1) };
+    let mut after = before.clone();
+    after.focus.disparity_px = layers[number];
+    window.open.turn(&mut window.edit, &before, &after);
+}
+
 /// Applies an edit of another photo: its place is in focus here too.
 fn paste_edit(window: &mut Window, recipe: &Recipe) {
     let Some(subject) = window.open.subject() else {
@@ -331,8 +380,8 @@ fn paste_edit(window: &mut Window, recipe: &Recipe) {
 fn start_export(window: &mut Window, photos: Vec<PathBuf>) {
     let settings = &window.settings.export;
     if photos.is_empty() {
-        let Some(subject) = window.open.subject() else { return };
-        let target = settings.target(subject.path.as_deref(), &subject.name, &window.edit);
+        let Some(document) = window.open.document() else { return };
+        let target = settings.target(document.path(), &document.subject.name, &window.edit);
         let title = name(&target);
         save_shown(window, Some(target), title);
         return;
@@ -353,7 +402,9 @@ fn save_shown(window: &mut Window, target: Option<PathBuf>, title: String) {
         window.toasts.error("nothing to export yet — the light field is still being made — wait for it to end");
         return;
     };
-    let shown = Shown { scene, edit: window.edit.clone(), settings: window.settings.export.clone(), target };
+    let recipe = window.recipe().of_depth(window.source.clone());
+    let settings = Settings { recipe, ..window.settings.export.clone() };
+    let shown = Shown { scene, edit: window.edit.clone(), settings, target };
     let job = window.workers.saver.push(Order::Shown(Box::new(shown)));
     window.queue.add(job, title);
 }

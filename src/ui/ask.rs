@@ -48,6 +48,23 @@ pub enum Ask {
     Clipboard,
     /// An edit in the clipboard.
     PasteEdit,
+    /// The edit in a file.
+    ReadEdit(PathBuf),
+    /// The presets: their names, after something was done to them.
+    Presets(Preset),
+}
+
+/// What is done to presets.
+#[derive(Clone, Debug)]
+pub enum Preset {
+    /// Nothing.
+    List,
+    /// A recipe gets a name.
+    Keep(String, Box<Recipe>),
+    /// One goes.
+    Remove(String),
+    /// One is applied.
+    Take(String),
 }
 
 /// What a typed path is for, where the system shows no dialogs.
@@ -93,8 +110,12 @@ pub enum Picked {
     Net(PathBuf),
     /// A picture from the clipboard, `[y, x, 4]`.
     Pixels([u32; 2], Vec<u8>),
-    /// An edit from the clipboard.
+    /// An edit from the clipboard or a file.
     Edit(Box<Recipe>),
+    /// The names of the presets.
+    Presets(Vec<String>),
+    /// A preset to apply.
+    Preset(Box<Recipe>),
     /// The system shows no dialogs: ask for a path in the window.
     Unavailable(PathFor),
     /// The system shows no dialog for the folder of exports, which the export dialog has a field for.

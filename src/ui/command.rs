@@ -23,6 +23,7 @@ pub enum Command {
     Redo,
     CopyEdit,
     PasteEdit,
+    Presets,
     ResetLens,
     ResetViewpoint,
     StepLeft,
@@ -30,11 +31,19 @@ pub enum Command {
     StepUp,
     StepDown,
     Circle,
+    Nearer,
+    Farther,
+    Film,
+    PlayFilm,
+    AddKey,
+    Earlier,
+    Later,
     Picture,
     Views,
     Depths,
     ToggleDepth,
     BeforeAfter,
+    Stereo,
     Peaking,
     Fit,
     OneToOne,
@@ -69,10 +78,11 @@ pub struct Spec {
 }
 
 /// What the mouse does, for the shortcut sheet.
-pub const MOUSE: [(&str, &str); 8] = [
+pub const MOUSE: [(&str, &str); 9] = [
     ("Drag the picture", "Look round"),
     ("Click the picture", "Focus there"),
     ("Shift-click", "Keep this sharp, too"),
+    ("Alt-click", "Turn around this while looking round"),
     ("Wheel", "Zoom at the pointer"),
     ("Middle drag, Space + drag", "Move the picture"),
     ("Drag in an epipolar image", "Set a thing's depth"),
@@ -82,7 +92,7 @@ pub const MOUSE: [(&str, &str); 8] = [
 
 impl Command {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 47] = [
+    pub const ALL: [Self; 56] = [
         Self::Open,
         Self::OpenFolder,
         Self::OpenSample,
@@ -101,6 +111,7 @@ impl Command {
         Self::Redo,
         Self::CopyEdit,
         Self::PasteEdit,
+        Self::Presets,
         Self::ResetLens,
         Self::ResetViewpoint,
         Self::StepLeft,
@@ -108,11 +119,19 @@ impl Command {
         Self::StepUp,
         Self::StepDown,
         Self::Circle,
+        Self::Nearer,
+        Self::Farther,
+        Self::Film,
+        Self::PlayFilm,
+        Self::AddKey,
+        Self::Earlier,
+        Self::Later,
         Self::Picture,
         Self::Views,
         Self::Depths,
         Self::ToggleDepth,
         Self::BeforeAfter,
+        Self::Stereo,
         Self::Peaking,
         Self::Trust,
         Self::Fit,
@@ -154,6 +173,7 @@ impl Command {
             Self::Redo => ("Edit", "Redo", "Do the last edit again", ctrl(Key::Y)),
             Self::CopyEdit => ("Edit", "Copy edit", "Put lens, focus and viewpoint into the clipboard", shift(Key::C)),
             Self::PasteEdit => ("Edit", "Paste edit", "Apply the edit in the clipboard", shift(Key::V)),
+            Self::Presets => ("Edit", "Presets…", "Lens and export under a name", ctrl(Key::P)),
             Self::ResetLens => ("Edit", "Reset lens", "Back to f/3.5, focus in the middle", key(Key::R)),
             Self::ResetViewpoint => ("Edit", "Centre viewpoint", "Back to where the photo was taken", key(Key::Home)),
             Self::StepLeft => ("Viewpoint", "Step left", "Move the eye one view left", key(Key::ArrowLeft)),
@@ -161,6 +181,15 @@ impl Command {
             Self::StepUp => ("Viewpoint", "Step up", "Move the eye one view up", key(Key::ArrowUp)),
             Self::StepDown => ("Viewpoint", "Step down", "Move the eye one view down", key(Key::ArrowDown)),
             Self::Circle => ("Viewpoint", "Circle", "Let the viewpoint go round", key(Key::P)),
+            Self::Nearer => ("Viewpoint", "Nearer layer", "Focus on the next nearer depth layer", key(Key::PageUp)),
+            Self::Farther => {
+                ("Viewpoint", "Farther layer", "Focus on the next farther depth layer", key(Key::PageDown))
+            }
+            Self::Film => ("Film", "Timeline", "Show or hide the keys of a film", key(Key::F)),
+            Self::PlayFilm => ("Film", "Play", "Show the film, or end it", upper(Key::P)),
+            Self::AddKey => ("Film", "Add key", "Keep lens and eye as they are at the playhead", upper(Key::K)),
+            Self::Earlier => ("Film", "Earlier", "Move the playhead back", key(Key::Comma)),
+            Self::Later => ("Film", "Later", "Move the playhead on", key(Key::Period)),
             Self::Picture => ("View", "Picture", "The refocused picture", ctrl(Key::Num1)),
             Self::Views => ("View", "Views", "All views of the light field", ctrl(Key::Num2)),
             Self::Depths => ("View", "Ray depths", "Ray depths of the current view", ctrl(Key::Num3)),
@@ -170,6 +199,7 @@ impl Command {
             Self::BeforeAfter => {
                 ("View", "Before / after", "The photo left of the line, the picture right", key(Key::C))
             }
+            Self::Stereo => ("View", "Both eyes", "Red-cyan, beside each other, crossed, and off", key(Key::Num3)),
             Self::Peaking => ("View", "Focus peaking", "Mark the edges that are in focus", key(Key::K)),
             Self::Trust => ("View", "Trust view", "Tint what was invented, not seen", key(Key::U)),
             Self::Fit => ("View", "Fit", "Show the whole picture", key(Key::Num0)),
@@ -195,7 +225,7 @@ impl Command {
     }
 
     /// Headings of the menu and the sheet, in order.
-    pub const GROUPS: [&'static str; 6] = ["File", "Edit", "Viewpoint", "View", "Light field", "Help"];
+    pub const GROUPS: [&'static str; 7] = ["File", "Edit", "Viewpoint", "Film", "View", "Light field", "Help"];
 
     /// The actions of a group.
     pub fn of_group(group: &str) -> impl Iterator<Item = Self> {

@@ -17,6 +17,13 @@ pub enum Dialog {
     Path(PathFor, String),
     /// What is not part of an edit.
     Settings,
+    /// Lenses and exports by name, and the name for a new one.
+    Presets {
+        /// Those there are.
+        names: Vec<String>,
+        /// What a new one is called.
+        new: String,
+    },
     /// Which end of a depth map is near.
     NearEnd(Question),
     /// The program broke off the last time.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::ask::{Ask, PathFor, Picked};
+use super::ask::{Ask, PathFor, Picked, Preset};
 use super::event::Event;
 use super::near_end;
 use super::worker::{JobId, Outbox};
@@ -11,6 +11,7 @@ use crate::io::formats::depth_map;
 use crate::io::opening;
 use crate::job::Cancel;
 use crate::scene::Recipe;
+use crate::scene::recipe::Presets;
 
 /// A dialog that ends sooner than this without an answer was never shown.
 const SHOWN: Duration = Duration::from_millis(400);
@@ -22,6 +23,8 @@ pub fn work(job: JobId, ask: Ask, _: &Cancel, outbox: &Outbox) {
     let or_none = |picked: Option<Picked>, wanted| picked.unwrap_or_else(|| none(start, wanted));
     let picked = match ask {
         Ask::Clipboard => return tell(job, clipboard(), outbox),
+        Ask::ReadEdit(path) => return tell(job, edit_in_file(&path), outbox),
+        Ask::Presets(what) => return tell(job, presets(what), outbox),
         Ask::PasteEdit => return tell(job, edit_in_clipboard(), outbox),
         Ask::ReadDepthMap(path) => return tell(job, depth_map(path), outbox),
         Ask::DepthMap { folder } => match pollster::block_on(dialog(folder).pick_file()) {
@@ -88,6 +91,31 @@ fn dialog(folder: Option<PathBuf>) -> rfd::AsyncFileDialog {
 
 fn none(start: Instant, wanted: PathFor) -> Picked {
     if start.elapsed() < SHOWN { Picked::Unavailable(wanted) } else { Picked::Nothing }
+}
+
+fn edit_in_file(path: &Path) -> Event {
+    match Recipe::read(path) {
+        Ok(recipe) => Event::Picked(Picked::Edit(Box::new(recipe))),
+        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+    }
+}
+
+/// Does something to the presets, and says which there are then.
+fn presets(what: Preset) -> Event {
+    let Some(presets) = Presets::user() else {
+        return Event::Failed("presets cannot be kept — the system names no folder for settings — set HOME".to_owned());
+    };
+    let done = match what {
+        Preset::List => Ok(None),
+        Preset::Keep(name, recipe) => presets.keep(&name, &recipe).map(|()| None),
+        Preset::Remove(name) => presets.remove(&name).map(|()| None),
+        Preset::Take(name) => presets.read(&name).map(|recipe| Some(Box::new(recipe))),
+    };
+    match done {
+        Ok(Some(recipe)) => Event::Picked(Picked::Preset(recipe)),
+        Ok(None) => Event::Picked(Picked::Presets(presets.names())),
+        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+    }
 }
 
 fn edit_in_clipboard() -> Event {

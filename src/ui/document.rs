@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::errors::sentence;
-use crate::io;
+use crate::io::{self, Opened};
 use crate::job::Job;
-use crate::scene::{DepthFrom, Found, Recipe, SeveralAsked, Subject};
+use crate::scene::{DepthFrom, Found, Recipe, Restored, SeveralAsked, Subject};
 
 /// What was read.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub struct Document {
     pub found: Found,
     /// What a person should know about it.
     pub warnings: Vec<String>,
+    /// The picture that it was made into, and the edit which that carried, where this led here.
+    pub restored: Option<(PathBuf, Box<Recipe>)>,
 }
 
 /// The edit that lies beside a photo.
@@ -35,17 +37,25 @@ pub enum Sidecar {
 
 impl From<Subject> for Document {
     fn from(subject: Subject) -> Self {
-        Self { subject: Arc::new(subject), sidecar: Sidecar::None, found: Found::default(), warnings: Vec::new() }
+        let (sidecar, found) = (Sidecar::None, Found::default());
+        Self { subject: Arc::new(subject), sidecar, found, warnings: Vec::new(), restored: None }
     }
 }
 
 impl Document {
-    /// Reads a file, and the edit that lies beside it.
+    /// Reads a file, and the edit that lies beside it. A picture that knows its photo leads to that, with its edit.
     pub fn read(path: &Path, job: &Job) -> Result<Self, String> {
         let opened = io::open(path, job).map_err(|error| sentence(&error))?;
-        let warnings = opened.info().warnings.clone();
-        let subject = Subject::whole(opened, path, job).map_err(|error| sentence(&error))?;
-        Ok(Self::with_sidecar(subject, path, warnings))
+        let mut warnings = opened.info().warnings.clone();
+        if let Opened::Photo(file) = &opened
+            && let Some(found) = &file.carried
+        {
+            match Restored::of(found, path, job) {
+                Ok(restored) => return Ok(Self::restored(restored, path)),
+                Err(error) => warnings.push(sentence(&error)),
+            }
+        }
+        Ok(Self::with_sidecar(Subject::from_opened(opened, path), path, warnings))
     }
 
     /// Reads photos of one subject, and the edit that lies beside the first of them.
@@ -70,12 +80,38 @@ impl Document {
                 Sidecar::Unreadable
             }
         };
-        Self { subject: Arc::new(subject), sidecar, found, warnings }
+        Self { subject: Arc::new(subject), sidecar, found, warnings, restored: None }
     }
 
-    /// Where its depth comes from, as the edit beside it says.
+    /// The photo that a picture was made of.
+    fn restored(Restored { subject, recipe }: Restored, picture: &Path) -> Self {
+        let file_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let told = format!("{} was made of {}: here it is, with that edit", file_name(picture), subject.name);
+        let mut document = match subject.path.clone() {
+            Some(photo) => Self::with_sidecar(subject, &photo, Vec::new()),
+            None => subject.into(),
+        };
+        document.warnings.insert(0, told);
+        document.restored = Some((picture.to_owned(), Box::new(recipe)));
+        document
+    }
+
+    /// Where it lies among others: as its picture, where that led here, else as itself.
+    pub fn path(&self) -> Option<&Path> {
+        self.restored.as_ref().map(|(picture, _)| picture).or(self.subject.path.as_ref()).map(PathBuf::as_path)
+    }
+
+    /// The edit that it is shown with first.
+    pub fn recipe(&self) -> Option<&Recipe> {
+        match (&self.restored, &self.sidecar) {
+            (Some((_, recipe)), _) | (None, Sidecar::Read(recipe)) => Some(recipe),
+            (None, Sidecar::None | Sidecar::Unreadable) => None,
+        }
+    }
+
+    /// Where its depth comes from, as its edit says.
     pub fn source(&self) -> Option<&DepthFrom> {
-        if let Sidecar::Read(recipe) = &self.sidecar { recipe.depth.as_ref() } else { None }
+        self.recipe().and_then(|recipe| recipe.depth.as_ref())
     }
 
     /// "4032 × 3024 · Display P3 · phone depth".

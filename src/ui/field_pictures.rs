@@ -21,6 +21,8 @@ pub enum Slot {
     EpiColumn,
     /// Ray depths in canvas and inspector.
     Depth,
+    /// The right eye's picture in the canvas.
+    RightEye,
 }
 
 /// A picture that egui can draw.
@@ -38,7 +40,7 @@ pub struct FieldPictures {
     render: RenderState,
     gpu: Gpu,
     field: Option<FieldTexture>,
-    shown: [Option<Shown>; 4],
+    shown: [Option<Shown>; 5],
     views: Vec<TextureId>,
     /// More layers are to come.
     pub is_streaming: bool,

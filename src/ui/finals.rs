@@ -25,11 +25,13 @@ pub struct Request {
 struct Renderer {
     device: Option<LensGpu>,
     rgbd: Option<(Which, Rgbd)>,
-    prepared: Option<(Which, ViewPoint, [u32; 2], Arc<Prepared>)>,
+    prepared: Option<(Which, Eye, [u32; 2], Arc<Prepared>)>,
 }
 
 /// The light field's number, and how deep it is.
 type Which = (u64, Strength);
+/// Where the eye is, and what it turns around.
+type Eye = (ViewPoint, f32);
 
 /// The work of the thread that renders pictures at rest; it keeps what does not depend on the lens.
 pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
@@ -83,10 +85,10 @@ impl Renderer {
     }
 
     fn prepared(&mut self, scene: &Scene, key: &RestKey, job: &Job) -> Result<Arc<Prepared>, SceneError> {
-        let RestKey { edit: Edit { viewpoint, .. }, size, generation, .. } = *key;
+        let RestKey { edit: Edit { viewpoint, pivot, .. }, size, generation, .. } = *key;
         let generation = (generation, scene.strength());
         if let Some((have, from, at, prepared)) = &self.prepared
-            && (*have, *from, *at) == (generation, viewpoint, size)
+            && (*have, *from, *at) == (generation, (viewpoint, pivot), size)
         {
             return Ok(Arc::clone(prepared));
         }
@@ -96,8 +98,9 @@ impl Renderer {
         };
         let (_, rgbd) = self.rgbd.insert((generation, rgbd));
         job.check()?;
-        let prepared = Arc::new(rgbd.seen_from(viewpoint, size, job)?.prepare(size));
-        self.prepared = Some((generation, viewpoint, size, Arc::clone(&prepared)));
+        let pivot_px = key.edit.pivot_px(rgbd.disparity().size()[0], scene.strength());
+        let prepared = Arc::new(rgbd.seen_from(viewpoint, pivot_px, size, job)?.prepare(size));
+        self.prepared = Some((generation, (viewpoint, pivot), size, Arc::clone(&prepared)));
         Ok(prepared)
     }
 }

@@ -9,15 +9,17 @@ use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::job::Cancel;
 use crate::repair::Repairs;
-use crate::scene::{DepthFrom, Edit, Found, Recipe};
+use crate::scene::{DepthFrom, Edit, Found, Recipe, Timeline};
 
-/// All that is undone as one: the edit, and what was mended.
+/// All that is undone as one: the edit, what was mended, and the timeline.
 #[derive(Clone, Default, PartialEq)]
 pub struct Step {
     /// Lens, focus and viewpoint.
     pub edit: Edit,
     /// What was done to the depth.
     pub repairs: Repairs,
+    /// What moves in a film of it.
+    pub timeline: Option<Timeline>,
 }
 
 /// What was done to a photo, and what of it lies beside the photo.

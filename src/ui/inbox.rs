@@ -173,15 +173,27 @@ fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Con
         _ => Repairs::default(),
     };
     window.mending.forget();
+    window.film.forget();
     window.tint.forget();
+    window.timeline = match &document.sidecar {
+        Sidecar::Read(recipe) => recipe.timeline.clone(),
+        _ => None,
+    };
     window.history = History::new(window.step(), window.source.clone());
+    if let Some((_, recipe)) = &document.restored {
+        // What lies beside the photo can be returned to.
+        window.edit = recipe.edit(window.making().view_size(&document.subject)[0]);
+        window.repairs = recipe.repairs.clone();
+        window.timeline = recipe.timeline.clone();
+        window.history.note(&window.step());
+    }
     window.toasts.clear();
     document.warnings.iter().for_each(|warning| window.toasts.info(warning));
     match window.repairs.are_of(&document.subject.sign()) {
         true => window.repairs.left_out().iter().for_each(|text| window.toasts.info(text)),
         false => window.toasts.info(OTHER_PHOTO),
     }
-    if let Some(path) = &document.subject.path {
+    if let Some(path) = document.path() {
         window.settings.remember(path);
     }
     ctx.send_viewport_cmd(ViewportCommand::Title(format!("{} — Plenoscope", document.subject.name)));
@@ -232,9 +244,9 @@ fn made(window: &mut Window, made: Made) {
     if is_again && is_elsewhere && window.compare.at().is_none() {
         mend_focus(window);
     }
-    let photo = window.open.subject().filter(|subject| subject.photo().is_some());
-    if let Some(path) = photo.and_then(|subject| subject.path.clone()) {
-        window.workers.ahead.replace(neighbours::Request::Prefetch(path));
+    let photo = window.open.document().filter(|document| document.subject.photo().is_some());
+    if let Some(path) = photo.and_then(Document::path) {
+        window.workers.ahead.replace(neighbours::Request::Prefetch(path.to_owned()));
     }
 }
 
@@ -304,6 +316,8 @@ fn picked(window: &mut Window, picked: Picked, ctx: &Context) {
         Picked::Net(path) => Action::ChangeNets(Change::Add(path)),
         Picked::Pixels(size, rgba) => Action::Open(OpenFrom::Pixels(size, rgba)),
         Picked::Edit(recipe) => Action::PasteEdit(recipe),
+        Picked::Preset(recipe) => Action::TakePreset(recipe),
+        Picked::Presets(names) => Action::Show(Dialog::Presets { names, new: String::new() }),
         Picked::Unavailable(wanted) => Action::Show(Dialog::Path(wanted, String::new())),
         Picked::NoFolderDialog => {
             return window.toasts.info("The system shows no folder dialog here: type the folder into the field");

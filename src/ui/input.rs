@@ -11,6 +11,7 @@ use super::command::Command;
 use super::dialog::Dialog;
 use super::dialogs;
 use super::jobs::OpenFrom;
+use super::widgets;
 
 /// What keys, drops and the clipboard ask for, while a dialog is shown or none is. `has_photo`: whether one is open.
 pub fn read(ctx: &Context, dialog: Option<&Dialog>, has_photo: bool) -> Vec<Action> {
@@ -37,9 +38,13 @@ fn keys(ctx: &Context, mut has_sheet: bool) -> Vec<Action> {
     let (with_shift, without) = Command::ALL
         .into_iter()
         .partition::<Vec<_>, _>(|command| command.spec().shortcut.is_some_and(|keys| keys.modifiers.shift));
+    let is_taken = widgets::has_arrows(ctx);
     let mut actions = Vec::new();
     for command in with_shift.into_iter().chain(without) {
         let keys = command.spec().shortcut;
+        if is_taken && matches!(command, Command::StepLeft | Command::StepRight | Command::StepUp | Command::StepDown) {
+            continue;
+        }
         if keys.is_some_and(|keys| ctx.input_mut(|input| input.consume_shortcut(&keys))) {
             if !(has_sheet && matches!(command, Command::Stop | Command::Shortcuts)) {
                 actions.push(Action::Do(command));
@@ -62,6 +67,12 @@ fn dropped(mut files: Vec<PathBuf>, has_photo: bool) -> Option<Action> {
     let path = files.pop()?;
     if path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("onnx")) {
         return Some(Action::ChangeNets(Change::Add(path)));
+    }
+    if has_photo
+        && path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("json"))
+        && !crate::io::formats::is_index_file(&path)
+    {
+        return Some(Action::Ask(Ask::ReadEdit(path)));
     }
     let is_depth = has_photo && is_pfm(&path);
     Some(if is_depth { Action::Ask(Ask::ReadDepthMap(path)) } else { Action::Open(OpenFrom::File(path)) })

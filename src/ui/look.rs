@@ -28,6 +28,32 @@ pub struct Split {
     pub is_held: bool,
 }
 
+/// How both eyes are shown at once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stereo {
+    /// One picture for both.
+    #[default]
+    Off,
+    /// In one picture, for red-cyan glasses.
+    Anaglyph,
+    /// Beside each other, left eye left.
+    Parallel,
+    /// Beside each other, left eye right: for eyes that cross.
+    Crossed,
+}
+
+impl Stereo {
+    /// The next one, and what it is called.
+    pub fn next(self) -> (Self, &'static str) {
+        match self {
+            Self::Off => (Self::Anaglyph, "Both eyes in one picture, for red-cyan glasses"),
+            Self::Anaglyph => (Self::Parallel, "Both eyes beside each other, left eye left"),
+            Self::Parallel => (Self::Crossed, "Both eyes beside each other, left eye right: cross your eyes"),
+            Self::Crossed => (Self::Off, "One picture for both eyes"),
+        }
+    }
+}
+
 /// How the picture is looked at: what of it changes nothing but that.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
@@ -39,6 +65,8 @@ pub struct Look {
     pub canvas: Rect,
     /// Photo and picture side by side.
     pub split: Split,
+    /// How both eyes are shown at once.
+    pub stereo: Stereo,
     /// The ring that the hand holds, of what is kept sharp.
     pub held_ring: Option<usize>,
     /// Place in the picture (0 to 1) that cross-hairs and epipolar images go through.
@@ -62,6 +90,7 @@ impl Default for Look {
             pose: Pose::default(),
             canvas: Rect::ZERO,
             split: Split { is_shown: false, at: 0.5, is_held: false },
+            stereo: Stereo::Off,
             held_ring: None,
             probe: Vec2::splat(0.5),
             hovered_px: None,

@@ -46,6 +46,11 @@ impl Running {
         }
     }
 
+    /// What its present stage is called.
+    pub fn stage(&self) -> &'static str {
+        self.progress.map_or(Stage::Open, |progress| progress.stage).label()
+    }
+
     /// How much of the present stage is done, 0 to 1.
     pub fn share(&self) -> f32 {
         self.progress.map_or(0.0, |p| (p.done as f32 / p.total.max(1) as f32).clamp(0.0, 1.0))

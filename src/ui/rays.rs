@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::field::{DisparityMap, Lens, RayDepths, Strength, ViewIndex, ViewPoint};
-use crate::scene::{Edit, Focus, focus};
+use crate::scene::{Edit, Focus, focus, layers};
 
 /// Ray depths with what they say about the scene.
 #[derive(Clone, Debug)]
@@ -69,6 +69,8 @@ pub struct Survey {
     pub range_px: [f32; 2],
     /// Share of the reference view's rays in each of [`Survey::BINS`] equal steps of the range; the largest is 1.
     pub bins: Vec<f32>,
+    /// Disparities of the depth layers, from the nearest to the farthest.
+    pub layers_px: Vec<f32>,
     /// For each view, how much of it the reference view has seen (the rest was invented), 0 … 1, in `[v, u]` order.
     pub seen: Vec<f32>,
     /// Where the subject most likely is in the reference view, x and y from 0 to 1.
@@ -101,7 +103,8 @@ impl Survey {
         // The square root keeps small things visible beside a large wall.
         let bins = counts.into_iter().map(|count| (count as f32 / most).sqrt()).collect();
         let seen = depths.grid().views().map(|view| Self::seen(depths, view)).collect();
-        Self { range_px, bins, seen, subject }
+        let layers_px = layers::layers(&sorted);
+        Self { range_px, bins, layers_px, seen, subject }
     }
 
     fn seen(depths: &RayDepths, view: ViewIndex) -> f32 {

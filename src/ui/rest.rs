@@ -15,6 +15,7 @@ use super::open::Open;
 use super::peaking;
 use super::progress::now;
 use super::tiles::{TileSet, Tiled};
+use crate::field::Histogram;
 use crate::scene::{Edit, OutputSize, Scene};
 
 /// Rest before the picture at rest is asked for.
@@ -99,6 +100,12 @@ impl AtRest {
         let (have, tiled) = self.pictures.iter_mut().find(|(have, _)| have.generation == key.generation)?;
         let follows = !have.has_draft && !key.has_draft;
         (have.edit == key.edit || follows).then_some((&*have, tiled))
+    }
+
+    /// How bright the last picture of the light field is that was drawn.
+    pub fn histogram(&self) -> Option<&Histogram> {
+        let last = self.pictures.iter().find(|(have, _)| have.generation == self.generation);
+        last.and_then(|(_, tiled)| tiled.histogram())
     }
 
     /// Whether this is being drawn.

@@ -50,11 +50,11 @@ pub const DARK: Palette = Palette {
     well: Color32::from_rgb(0x10, 0x11, 0x13),
     text: Color32::from_rgb(0xD6, 0xD8, 0xDC),
     strong: Color32::from_rgb(0xF4, 0xF5, 0xF6),
-    weak: Color32::from_rgb(0x8A, 0x8F, 0x98),
+    weak: Color32::from_rgb(0xA8, 0xAD, 0xB5),
     accent: AMBER,
     on_accent: Color32::from_rgb(0x1B, 0x1D, 0x21),
     accent_text: AMBER,
-    error: Color32::from_rgb(0xF0, 0x7A, 0x6A),
+    error: Color32::from_rgb(0xF5, 0x8E, 0x80),
     bar: Color32::from_rgb(0x5A, 0x60, 0x6A),
     knob: Color32::from_rgb(0xD6, 0xD8, 0xDC),
 };
@@ -68,11 +68,11 @@ pub const LIGHT: Palette = Palette {
     well: Color32::from_rgb(0xD3, 0xD6, 0xDA),
     text: Color32::from_rgb(0x2A, 0x2D, 0x33),
     strong: Color32::from_rgb(0x0E, 0x0F, 0x11),
-    weak: Color32::from_rgb(0x5E, 0x63, 0x6C),
+    weak: Color32::from_rgb(0x56, 0x5B, 0x64),
     accent: AMBER,
     on_accent: Color32::from_rgb(0x1B, 0x1D, 0x21),
-    accent_text: Color32::from_rgb(0x8A, 0x55, 0x00),
-    error: Color32::from_rgb(0xB3, 0x2D, 0x1E),
+    accent_text: Color32::from_rgb(0x7F, 0x4E, 0x00),
+    error: Color32::from_rgb(0xA8, 0x29, 0x1B),
     bar: Color32::from_rgb(0x9A, 0xA0, 0xAA),
     knob: Color32::from_rgb(0xFF, 0xFF, 0xFF),
 };
@@ -87,6 +87,12 @@ pub const HAIR: Color32 = Color32::from_rgba_premultiplied(150, 150, 150, 150);
 pub const HAIR_RIM: Color32 = Color32::from_black_alpha(90);
 /// Edges in focus: a colour that flowers seldom have.
 pub const PEAK: Color32 = Color32::from_rgb(0x35, 0xE0, 0xFF);
+/// Red, green and blue of a histogram, told apart on dark and on light.
+pub const CHANNELS: [Color32; 3] =
+    [Color32::from_rgb(0xE0, 0x5A, 0x4E), Color32::from_rgb(0x3F, 0xA9, 0x5C), Color32::from_rgb(0x4C, 0x8D, 0xE8)];
+/// Only red, and only green and blue, added to what is there: the pictures of an anaglyph.
+pub const EYES: [Color32; 2] =
+    [Color32::from_rgba_premultiplied(255, 0, 0, 255), Color32::from_rgba_premultiplied(0, 255, 255, 0)];
 /// A picture as it is: egui's tint that changes nothing.
 pub const AS_IS: Color32 = Color32::WHITE;
 
@@ -235,4 +241,38 @@ fn fonts() -> FontDefinitions {
         fonts.families.insert(family, names);
     }
     fonts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance (WCAG 2.2).
+    fn luminance(color: Color32) -> f32 {
+        let linear = |value: u8| match f32::from(value) / 255.0 {
+            c if c <= 0.04045 => c / 12.92,
+            c => ((c + 0.055) / 1.055).powf(2.4),
+        };
+        0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+    }
+
+    fn contrast(a: Color32, b: Color32) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn every_text_can_be_read_on_every_ground() {
+        for colors in [DARK, LIGHT] {
+            let grounds = [colors.surround, colors.panel, colors.control, colors.hovered, colors.well];
+            let texts = [colors.text, colors.strong, colors.weak, colors.accent_text, colors.error];
+            for (text, ground) in texts.into_iter().flat_map(|text| grounds.map(|ground| (text, ground))) {
+                assert!(contrast(text, ground) >= 4.5, "{text:?} on {ground:?}: {}", contrast(text, ground));
+            }
+            assert!(contrast(colors.on_accent, colors.accent) >= 4.5);
+        }
+        // The brightest that a veil leaves of a picture.
+        let veiled = Color32::from_gray(255 - VEIL.a());
+        assert!(contrast(ON_VEIL, veiled) >= 4.5, "{}", contrast(ON_VEIL, veiled));
+    }
 }

@@ -9,7 +9,7 @@ use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptio
 use rayon::prelude::*;
 
 use super::theme;
-use crate::field::pixels;
+use crate::field::{Histogram, pixels};
 use crate::render::Picture;
 
 /// Side of a tile, in pixels, without its rim.
@@ -23,6 +23,8 @@ const TILES_PER_FRAME: usize = 2;
 #[derive(Debug)]
 pub struct TileSet {
     levels: Vec<Level>,
+    /// How bright it is; none of a preview.
+    histogram: Option<Histogram>,
 }
 
 #[derive(Debug)]
@@ -46,12 +48,13 @@ impl TileSet {
         let by = size[0].max(size[1]) / SMALLEST;
         (by > 1).then(|| {
             let (size, rgba) = shrunk(size, rgba, by);
-            Self { levels: vec![cut(size, &rgba)] }
+            Self { levels: vec![cut(size, &rgba)], histogram: None }
         })
     }
 
     /// Cuts an opaque sRGB picture (`[y, x, 4]`) into tiles, with all its smaller levels. For a worker thread.
     pub fn new(size: [u32; 2], rgba: &[u8]) -> Self {
+        let histogram = Some(Histogram::of_srgb8(rgba));
         let mut levels = vec![cut(size, rgba)];
         let mut current = (size, Vec::new());
         while current.0[0].max(current.0[1]) > SMALLEST {
@@ -59,7 +62,7 @@ impl TileSet {
             current = shrunk(current.0, source, 2);
             levels.push(cut(current.0, &current.1));
         }
-        Self { levels }
+        Self { levels, histogram }
     }
 
     /// As [`TileSet::new`], from a picture in linear light.
@@ -129,6 +132,11 @@ impl Tiled {
     /// Nothing is uploaded yet.
     pub fn new(set: Arc<TileSet>) -> Self {
         Self { set, textures: HashMap::new() }
+    }
+
+    /// How bright the picture is.
+    pub fn histogram(&self) -> Option<&Histogram> {
+        self.set.histogram.as_ref()
     }
 
     /// Draws the picture over `rect`; what is outside the painter's clip is neither drawn nor uploaded.

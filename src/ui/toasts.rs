@@ -63,6 +63,11 @@ impl Toasts {
         self.shown.drain(..over);
     }
 
+    /// What was told last, while it is shown.
+    pub fn last(&self) -> Option<&str> {
+        self.shown.last().map(|toast| toast.text.as_str())
+    }
+
     /// What was told about another picture goes.
     pub fn clear(&mut self) {
         self.shown.clear();

@@ -1,8 +1,8 @@
 //! The few controls that the window is made of, all in the theme's look and with names for screen readers.
 
 use egui::{
-    Align2, CursorIcon, FontId, Rect, Response, RichText, Role, Sense, Shape, StrokeKind, Ui, UiBuilder, Vec2,
-    WidgetInfo, epaint::RectShape, pos2, vec2,
+    Align2, CursorIcon, FontId, Key, Modifiers, Rect, Response, RichText, Role, Sense, Shape, StrokeKind, Ui,
+    UiBuilder, Vec2, WidgetInfo, epaint::RectShape, pos2, vec2,
 };
 
 use super::theme::{self, GRID};
@@ -25,6 +25,35 @@ pub fn inside<T>(ui: &mut Ui, rect: Rect, add: impl FnOnce(&mut Ui) -> T) -> T {
 pub fn panel<T>(ui: &mut Ui, rect: Rect, fill: egui::Color32, add: impl FnOnce(&mut Ui) -> T) -> T {
     ui.painter().rect_filled(rect, 0, fill);
     inside(ui, rect, add)
+}
+
+/// A ring round what has the keyboard, over everything, whatever it is.
+pub fn show_focus(ctx: &egui::Context) {
+    let Some(response) = ctx.memory(|memory| memory.focused()).and_then(|id| ctx.read_response(id)) else { return };
+    let colors = theme::palette(ctx);
+    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::unique("focus ring"));
+    let ring = response.rect.expand(1.0).intersect(ctx.content_rect().shrink(1.0));
+    ctx.layer_painter(layer).rect_stroke(ring, theme::RADIUS, (2.0, colors.accent_text), StrokeKind::Outside);
+}
+
+/// By how much arrows turn what has the keyboard; commands do not hear of them then.
+pub fn arrows(ui: &Ui, response: &Response) -> f32 {
+    if !response.has_focus() {
+        return 0.0;
+    }
+    ui.data_mut(|data| data.insert_temp(takes_arrows(), response.id));
+    let turns = |key: Key| ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key)) as f32;
+    turns(Key::ArrowRight) + turns(Key::ArrowUp) - turns(Key::ArrowLeft) - turns(Key::ArrowDown)
+}
+
+/// Whether arrows turn what has the keyboard.
+pub fn has_arrows(ctx: &egui::Context) -> bool {
+    let focused = ctx.memory(|memory| memory.focused());
+    focused.is_some() && focused == ctx.data(|data| data.get_temp(takes_arrows()))
+}
+
+fn takes_arrows() -> egui::Id {
+    egui::Id::unique("takes arrows")
 }
 
 /// A plain button.
@@ -183,10 +212,11 @@ pub fn slider(ui: &mut Ui, label: &str, place: &mut f32, reset: f32) -> Response
     } else if let Some(pointer) = response.interact_pointer_pos() {
         *place = ((pointer.x - track.left()) / track.width()).clamp(0.0, 1.0);
     }
+    let mut steps = arrows(ui, &response);
     if response.hovered() {
-        let steps = ui.input(|input| input.smooth_scroll_delta().y) / 50.0;
-        *place = (*place + steps * 0.02).clamp(0.0, 1.0);
+        steps += ui.input(|input| input.smooth_scroll_delta().y) / 50.0;
     }
+    *place = (*place + steps * 0.02).clamp(0.0, 1.0);
     if *place != before {
         response.mark_changed();
     }

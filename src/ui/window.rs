@@ -7,8 +7,9 @@ use eframe::egui_wgpu::RenderState;
 
 use super::compare::{Compare, Kept};
 use super::dialog::{Broke, Dialog};
-use super::document::Sidecar;
+use super::document::{Document, Sidecar};
 use super::field_pictures::FieldPictures;
+use super::film::Film;
 use super::history::{History, Keep, Step};
 use super::jobs::{Load, OpenFrom};
 use super::look::Look;
@@ -28,7 +29,7 @@ use super::workers::Workers;
 use crate::crash;
 use crate::repair::{MOST, Repair, Repairs};
 use crate::scene::real::{KnownLens, known_lenses, published_lenses};
-use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe};
+use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe, Timeline};
 use crate::synth::adopt::Shelf;
 use crate::synth::{ModelSource, Scale};
 
@@ -69,6 +70,10 @@ pub struct Window {
     pub mending: Mending,
     /// What was done to the depth.
     pub repairs: Repairs,
+    /// What moves in a film of it.
+    pub timeline: Option<Timeline>,
+    /// How that is looked at.
+    pub film: Film,
     /// What was invented.
     pub tint: Tint,
     /// The light field on the device.
@@ -139,6 +144,8 @@ impl Window {
             mending: Mending::default(),
             tint: Tint::default(),
             repairs: Repairs::default(),
+            timeline: None,
+            film: Film::default(),
             photo: None,
             shaping: Shaping::default(),
             rest: AtRest::default(),
@@ -261,7 +268,11 @@ impl Window {
         let photo = document.subject.path.clone().filter(|_| document.subject.photo().is_some())?;
         let found = document.found;
         let is_kept = self.settings.keeps_edits && !matches!(document.sidecar, Sidecar::Unreadable);
-        if !is_kept || self.look.is_circling || !self.history.take_unkept(&self.step(), &self.source) {
+        if !is_kept
+            || self.look.is_circling
+            || self.film.is_playing()
+            || !self.history.take_unkept(&self.step(), &self.source)
+        {
             return None;
         }
         let recipe = self.recipe();
@@ -273,22 +284,20 @@ impl Window {
 
     /// The edit as a recipe, with what else its file held.
     pub fn recipe(&self) -> Recipe {
-        let mut recipe = match self.open.document().map(|document| &document.sidecar) {
-            Some(Sidecar::Read(recipe)) => Recipe::clone(recipe),
-            _ => Recipe::default(),
-        };
+        let mut recipe = self.open.document().and_then(Document::recipe).cloned().unwrap_or_default();
         recipe.export = self.settings.export.picture.clone();
+        recipe.timeline = self.timeline.clone();
         recipe.with_edit(self.edit.clone()).with_depth(&self.source).with_repairs(self.repairs.clone())
     }
 
     /// All that is undone as one.
     pub fn step(&self) -> Step {
-        Step { edit: self.edit.clone(), repairs: self.repairs.clone() }
+        Step { edit: self.edit.clone(), repairs: self.repairs.clone(), timeline: self.timeline.clone() }
     }
 
     /// Puts back what was undone or done again.
     pub fn take_step(&mut self, step: Step) {
-        (self.edit, self.repairs) = (step.edit, step.repairs);
+        (self.edit, self.repairs, self.timeline) = (step.edit, step.repairs, step.timeline);
     }
 
     /// Mends the depth; each repair is undone apart from others.

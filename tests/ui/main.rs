@@ -9,6 +9,7 @@ mod common;
 mod edits;
 mod faults;
 mod hints;
+mod keyboard;
 mod looks;
 mod monkey;
 #[path = "../common/nets.rs"]

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use plenoscope::job::Job;
-use plenoscope::scene::asked::{self, Usage};
+use plenoscope::scene::asked::{self, How, Usage};
 use plenoscope::scene::export::{self, Group, Kind, Settings};
 use plenoscope::scene::recipe::PictureSettings;
-use plenoscope::scene::{Edit, Movement, Subject, Timeline};
+use plenoscope::scene::{Edit, Embed, Movement, Subject};
 
 use super::output::output;
 use super::{input, lens_args};
@@ -37,8 +37,8 @@ pub fn synth(args: &Synth, job: &Job) -> Result<()> {
 
 /// Opens, makes what is needed, and writes.
 pub fn run(args: &Export, job: &Job) -> Result<()> {
-    let how = input::how(&args.synth, args.recipe.recipe.as_deref())?;
-    let settings = settings(args, how.recipe().and_then(|recipe| recipe.timeline.as_ref()));
+    let how = input::how_of(&args.input, &args.synth, args.recipe.recipe.as_deref(), job)?;
+    let settings = settings(args, &how)?;
     let target = target(&args.output, &settings, &args.input);
     output(&target, &args.input, args.force).check_written(args.kind)?;
     let subject = how.open(&args.input, job)?;
@@ -47,7 +47,9 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
     let edit = lens_args::further(&args.lens, edit, &scene, scene.picture_size(settings.size())[0], job)?;
     let is_named = args.lens.f_number.is_some() || args.lens.as_lens.is_some() || how.recipe().is_some();
     let edit = match (args.kind, is_named) {
-        (Kind::Animation | Kind::Video, false) => Edit { f_number: settings.movement.usual_f_number(), ..edit },
+        (Kind::Animation | Kind::Video | Kind::Frames, false) => {
+            Edit { f_number: settings.movement.usual_f_number(), ..edit }
+        }
         _ => edit,
     };
     if args.kind.spec().group == Group::LightField {
@@ -56,11 +58,19 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
     Ok(export::write(&scene, &edit, &settings, &target, job)?)
 }
 
-fn settings(args: &Export, timeline: Option<&Timeline>) -> Settings {
+fn settings(args: &Export, how: &How) -> Result<Settings> {
+    let timeline = how.recipe().and_then(|recipe| recipe.timeline.as_ref());
+    let embed = args.embed.asked().unwrap_or_default();
+    if args.kind != Kind::Picture && embed != Embed::default() {
+        return Err(
+            Usage("--embed is for --as picture — other files have no room for it — leave it out".to_owned()).into()
+        );
+    }
     let usual = if timeline.is_some() { Movement::Timeline } else { Movement::default() };
     let mut settings = Settings {
         kind: args.kind,
-        picture: PictureSettings::default(),
+        picture: PictureSettings { embed, ..PictureSettings::default() },
+        recipe: how.edited(),
         frames: args.frames.unwrap_or(Settings::FRAMES),
         frames_per_second: args.frames_per_second.unwrap_or(Settings::FRAMES_PER_SECOND),
         movement: args.motion.unwrap_or(usual),
@@ -76,10 +86,8 @@ fn settings(args: &Export, timeline: Option<&Timeline>) -> Settings {
     }
     let film = &mut settings.film;
     film.frames_per_second = args.frames_per_second.unwrap_or(film.frames_per_second);
-    let lasts = timeline.filter(|_| settings.movement == Movement::Timeline);
-    let lasts = lasts.map_or(film.frames, |timeline| timeline.frames(film.frames_per_second));
-    film.frames = args.frames.unwrap_or(lasts);
-    settings
+    (film.frames, film.is_cut) = (args.frames.unwrap_or(film.frames), args.frames.is_some());
+    Ok(settings)
 }
 
 /// Where it is written, named after the input.

@@ -8,7 +8,8 @@ use plenoscope::io::formats::depth_map::GivenDepth;
 use plenoscope::io::formats::pfm;
 use plenoscope::job::Job;
 use plenoscope::scene::asked::How;
-use plenoscope::scene::{DepthFrom, Maker, Making, Need, Recipe, Scene};
+use plenoscope::scene::recipe::Presets;
+use plenoscope::scene::{DepthFrom, Maker, Making, Need, Recipe, Restored, Scene};
 use plenoscope::synth::ModelSource;
 use plenoscope::synth::adopt::Shelf;
 use plenoscope::synth::cache::Cache;
@@ -17,13 +18,24 @@ use crate::cli::{RecipeArgs, SynthArgs};
 
 /// Opens a photo or a light field, and makes of it what is needed; its depth as the edit says, where one is named.
 pub fn scene(path: &Path, args: &SynthArgs, edit: &RecipeArgs, need: Need, job: &Job) -> Result<Scene> {
-    let how = how(args, edit.recipe.as_deref())?;
+    let how = how_of(path, args, edit.recipe.as_deref(), job)?;
     Ok(how.scene(&how.open(path, job)?, &maker(args), need, job)?)
+}
+
+/// What `--recipe` says for the edit that a picture carries.
+const EMBEDDED: &str = "embedded";
+
+/// As [`how`], for a picture that may carry its edit itself.
+pub fn how_of(picture: &Path, args: &SynthArgs, recipe: Option<&Path>, job: &Job) -> Result<How> {
+    match recipe {
+        Some(recipe) if recipe == Path::new(EMBEDDED) => Ok(how(args, None)?.restored(Restored::open(picture, job)?)),
+        recipe => how(args, recipe),
+    }
 }
 
 /// How light fields are made, as the arguments name it, with the map of `--disparity` and the edit of `--recipe`.
 pub fn how(args: &SynthArgs, recipe: Option<&Path>) -> Result<How> {
-    let recipe = recipe.map(Recipe::read).transpose()?;
+    let recipe = recipe.map(|path| Recipe::named(path, Presets::user().as_ref())).transpose()?;
     let own_map = args.disparity.as_deref().map(pfm::read_pfm).transpose()?;
     let making = Making {
         long_side: args.long_side,

@@ -18,7 +18,7 @@ use crate::output::say_json;
 pub fn run(args: &Refocus, job: &Job) -> Result<()> {
     output(&args.output, &args.input, args.force).check()?;
     save::check(&args.output, &PictureOptions::default())?;
-    let how = input::how(&args.synth, args.recipe.as_deref())?;
+    let how = input::how_of(&args.input, &args.synth, args.recipe.as_deref(), job)?;
     let subject = how.open(&args.input, job)?;
     let Asked { scene, edit, settings } = asked(args).of(&subject, &how, &input::maker(&args.synth), job)?;
     let width = scene.picture_size(settings.size())[0];
@@ -45,6 +45,7 @@ fn asked(args: &Refocus) -> asked::Refocus {
         size: args.size,
         quality: args.quality,
         bits: args.bits,
+        embed: args.embed.asked(),
         strip_metadata: args.strip_metadata,
         replaces_source: args.force,
     }

@@ -4,6 +4,7 @@ use std::fs;
 use std::process::Command;
 
 use super::common::{Scratch, plenoscope};
+use super::living::chromium;
 
 /// Runs a command on the small photo with one map.
 fn export(dir: &Scratch, rest: &[&str]) -> assert_cmd::assert::Assert {
@@ -36,6 +37,49 @@ fn a_film_is_read_back_with_all_its_frames() {
         let Some(probed) = probed(&film) else { return };
         assert_eq!(probed, "av1,120,80,30/1,7", "{name}");
     }
+}
+
+/// Shows the end of the film beside it, and says how wide it is, how long, and whether it can be seen.
+const PAGE: &str = r#"<video muted preload=auto src="FILM"></video><pre></pre><script>
+const film = document.querySelector("video"), said = document.querySelector("pre");
+film.onerror = () => said.textContent = film.error.message;
+film.onloadeddata = () => film.currentTime = film.duration;
+film.onseeked = () => said.textContent = `${film.videoWidth} wide, ${Math.round(film.duration * 30)} frames, ${film.readyState}`;
+</script>"#;
+/// The browser's clock may run out before its decoder is done, where the machine is busy.
+const TRIES: usize = 6;
+
+#[test]
+fn a_browser_plays_the_film() {
+    let Some(browser) = chromium() else { return };
+    let dir = Scratch::new();
+    plenoscope(&["sample", "-o", &dir.arg("")]).assert().success();
+    for name in ["pull.mp4", "pull.webm"] {
+        export(&dir, &["--as", "video", "--size", "121x81", "--frames", "7", "-o", &dir.arg(name)]).success();
+        fs::write(dir.path("page.html"), PAGE.replace("FILM", name)).unwrap();
+        let page = |_| {
+            let done = Command::new(browser)
+                .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=8000", "--dump-dom"])
+                .arg("--disable-background-networking")
+                .arg(format!("--user-data-dir={}", dir.arg("browser")))
+                .arg(format!("file://{}", dir.arg("page.html")))
+                .output()
+                .unwrap();
+            String::from_utf8_lossy(&done.stdout).into_owned()
+        };
+        let shown = (0..TRIES).map(page).find(|page| !page.contains("<pre></pre>")).unwrap_or_default();
+        assert!(shown.contains("<pre>120 wide, 7 frames, 4</pre>"), "{name}: {shown}");
+    }
+}
+
+#[test]
+fn frames_are_written_as_a_folder_of_pictures() {
+    let dir = Scratch::new();
+    plenoscope(&["sample", "-o", &dir.arg("")]).assert().success();
+    export(&dir, &["--as", "frames", "--size", "90x60", "--frames", "3", "-o", &dir.arg("film")]).success();
+    let size = |name: &str| image::image_dimensions(dir.path("film").join(name)).unwrap();
+    assert!(["frame_000.png", "frame_001.png", "frame_002.png"].iter().all(|name| size(name) == (90, 60)));
+    assert_eq!(fs::read_dir(dir.path("film")).unwrap().count(), 3);
 }
 
 #[test]

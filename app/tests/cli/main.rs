@@ -8,6 +8,7 @@ mod batch;
 mod book;
 mod burst;
 mod common;
+mod embedded;
 mod faults;
 mod film;
 #[cfg(unix)]

@@ -4,15 +4,13 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use jpeg_encoder::{ColorType as JpegColor, Encoder, SamplingFactor};
 use png::{BitDepth, ColorType};
 
 use super::out;
 use super::pfm;
 use crate::field::{DisparityMap, Photo, View};
-use crate::io::save::{SaveError, exif};
+use crate::io::save::{Carry, SaveError, exif};
 
 /// Writes a map as PFM: every bit is kept.
 ///
@@ -36,12 +34,8 @@ pub fn write_png16(path: &Path, map: &DisparityMap) -> Result<(), SaveError> {
     out::single(path, |out| out::png(out, map.size(), (ColorType::Grayscale, BitDepth::Sixteen), &texts, rows))
 }
 
-/// Longest piece of extended XMP in one segment.
-const CHUNK_BYTES: usize = 65_400;
 /// Longest content of a segment, less its head.
 const MAX_SEGMENT_BYTES: usize = 65_500;
-/// Far over near in a map whose unit nobody knows.
-const FAR: f32 = 10.0;
 
 /// What a map is the depth of.
 #[derive(Clone, Copy, Debug)]
@@ -83,15 +77,7 @@ impl Seen<'_> {
 pub fn write_gdepth(path: &Path, seen: Seen, map: &DisparityMap, quality: u8) -> Result<(), SaveError> {
     let why = |error: &dyn std::fmt::Display| SaveError::Encode { why: error.to_string(), path: path.to_owned() };
     let [width, height] = seen.size().map(|side| u16::try_from(side).unwrap_or(u16::MAX));
-    let mut depth = Vec::new();
-    depth_png(&mut depth, map).map_err(|error| why(&error))?;
-    let extended = format!(
-        "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\"><rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\">\
-         <rdf:Description rdf:about=\"\" xmlns:GDepth=\"http://ns.google.com/photos/1.0/depthmap/\" GDepth:Data=\"{}\"/>\
-         </rdf:RDF></x:xmpmeta>",
-        STANDARD.encode(&depth)
-    );
-    let guid = format!("{:X}", md5::compute(extended.as_bytes()));
+    let carry = Carry { depth: Some(Arc::new(map.clone())), ..Carry::default() };
     let mut jpeg = Vec::new();
     let mut encoder = Encoder::new(&mut jpeg, quality);
     encoder.set_sampling_factor(SamplingFactor::R_4_4_4);
@@ -99,37 +85,11 @@ pub fn write_gdepth(path: &Path, seen: Seen, map: &DisparityMap, quality: u8) ->
     if let Some(block) = seen.exif().filter(|block| block.len() < MAX_SEGMENT_BYTES) {
         encoder.add_app_segment(1, &[b"Exif\0\0", &block[..]].concat()).map_err(|error| why(&error))?;
     }
-    encoder.add_app_segment(1, main_packet(&guid).as_bytes()).map_err(|error| why(&error))?;
-    for (n, data) in extended.as_bytes().chunks(CHUNK_BYTES).enumerate() {
-        let mut segment = b"http://ns.adobe.com/xmp/extension/\0".to_vec();
-        segment.extend(guid.as_bytes());
-        segment.extend((extended.len() as u32).to_be_bytes());
-        segment.extend(((n * CHUNK_BYTES) as u32).to_be_bytes());
-        segment.extend(data);
+    for segment in carry.segments(None).map_err(|error| why(&error))? {
         encoder.add_app_segment(1, &segment).map_err(|error| why(&error))?;
     }
     encoder.encode(&seen.rgba(), width, height, JpegColor::Rgba).map_err(|error| why(&error))?;
     out::single(path, |out| out.write_all(&jpeg))
-}
-
-fn main_packet(guid: &str) -> String {
-    format!(
-        "http://ns.adobe.com/xap/1.0/\0<x:xmpmeta xmlns:x=\"adobe:ns:meta/\">\
-         <rdf:RDF xmlns:rdf=\"http://www.w3.org/1999/02/22-rdf-syntax-ns#\"><rdf:Description rdf:about=\"\" \
-         xmlns:GDepth=\"http://ns.google.com/photos/1.0/depthmap/\" xmlns:xmpNote=\"http://ns.adobe.com/xmp/note/\" \
-         GDepth:Format=\"RangeInverse\" GDepth:Near=\"1.0\" GDepth:Far=\"{FAR:?}\" GDepth:Mime=\"image/png\" \
-         GDepth:Software=\"Plenoscope\" xmpNote:HasExtendedXMP=\"{guid}\"/></rdf:RDF></x:xmpmeta>"
-    )
-}
-
-/// 16-bit grey: inverse depth is linear in disparity, so `n = (near − d) / (near − far)`.
-fn depth_png(bytes: &mut Vec<u8>, map: &DisparityMap) -> std::io::Result<()> {
-    let [far, near] = map.range_px();
-    let scale = if near > far { 65_535.0 / (near - far) } else { 0.0 };
-    let value = |d: f32| (((near - d) * scale).round() as u16).to_be_bytes();
-    let rows = map.disparity_px().chunks_exact(map.size()[0] as usize);
-    let rows = rows.map(|row| row.iter().flat_map(|&d| value(d)).collect());
-    out::png(bytes, map.size(), (ColorType::Grayscale, BitDepth::Sixteen), &[], rows)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ pub mod living;
 pub mod lytro;
 mod matching;
 mod middlebury;
-mod out;
+pub(in crate::io) mod out;
 pub mod pfm;
 pub(crate) mod phone;
 pub mod ply;
@@ -225,8 +225,13 @@ pub(crate) fn read_within(bytes: &[u8], name: Option<&Path>, job: &Job) -> Found
 /// The first depth that a line of the table finds in a photo's file. What is broken is told, and the next line looks.
 pub(crate) fn depth_in(warnings: &mut Vec<String>, read: impl Fn(DepthIn) -> FoundDepth) -> Option<EmbeddedDepth> {
     let found = readers().filter_map(|reader| if let Reader::Depth(depth) = reader { read(depth) } else { None });
-    let mut told = |reason| warnings.push(format!("the depth map is left out — {reason}"));
+    let mut told = |reason: String| warnings.push(depth_left_out(&reason));
     found.filter_map(|depth| depth.map_err(&mut told).ok()).next()
+}
+
+/// What is said of depth that is broken.
+pub(crate) fn depth_left_out(reason: &str) -> String {
+    format!("the depth map is left out — {reason}")
 }
 
 /// Looks for depth beside a photo that has none.

@@ -61,7 +61,7 @@ pub(super) fn single(
 }
 
 /// Writes a PNG from its rows; the texts become `tEXt` chunks.
-pub(super) fn png(
+pub(in crate::io) fn png(
     out: impl Write,
     size: [u32; 2],
     (color, depth): (ColorType, BitDepth),

@@ -10,6 +10,7 @@ pub(crate) mod heif;
 pub(crate) mod jpeg;
 mod orient;
 pub(crate) mod still;
+mod tiff_xmp;
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::error::ImageError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color};
+use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color, tiff_xmp};
 use crate::io::Problem;
 use crate::io::error::part_of_a_sentence;
 use crate::io::file_type::{FileType, Pixels};
@@ -59,7 +59,7 @@ fn decode(bytes: &[u8], format: &FileType) -> Result<Raster, Problem> {
     // Broken extras do not make a picture unreadable.
     let mut icc = decoder.icc_profile().ok().flatten();
     let exif = decoder.exif_metadata().ok().flatten();
-    let xmp = decoder.xmp_metadata().ok().flatten();
+    let xmp = decoder.xmp_metadata().ok().flatten().or_else(|| tiff_xmp::packet(bytes).map(<[u8]>::to_vec));
     let orientation = decoder.orientation().map_or(1, |orientation| orientation.to_exif());
     let picture = DynamicImage::from_decoder(decoder).map_err(|error| problem(error, format))?;
     let samples = if let (DynamicImage::ImageLuma8(gray), Some(profile)) = (&picture, &icc)

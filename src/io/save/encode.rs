@@ -7,12 +7,10 @@ use tiff::Directory;
 use tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKindStandard, colortype};
 use tiff::tags::{Tag, Type};
 
+use super::carry::SEGMENT_BYTES;
 use super::exif::{self, Field};
 use super::{Format, Keep, PictureOptions, Pixels, Samples, SaveError, xmp};
 
-/// The most that fits into one segment of a JPEG.
-const JPEG_SEGMENT: usize = 65533;
-const JPEG_XMP: &[u8] = b"http://ns.adobe.com/xap/1.0/\0";
 const TIFF_XMP: u16 = 700;
 const BYTE: u16 = 1;
 const UNDEFINED: u16 = 7;
@@ -25,7 +23,8 @@ const WEBP_SIDE: u32 = 16384;
 struct Blocks {
     icc: Option<Vec<u8>>,
     exif: Option<Vec<u8>>,
-    xmp: Option<Vec<u8>>,
+    /// The contents of a JPEG's segments, else at most one packet.
+    xmp: Vec<Vec<u8>>,
 }
 
 fn odd(why: impl ToString) -> SaveError {
@@ -43,7 +42,7 @@ pub fn encode(
     pixels: &Pixels,
     options: &PictureOptions,
 ) -> Result<(), SaveError> {
-    let blocks = Blocks::of(pixels, options);
+    let blocks = Blocks::of(pixels, format, options)?;
     match format {
         Format::Png => png(out, pixels, blocks),
         Format::Jpeg => jpeg(out, pixels, &blocks, options.quality),
@@ -53,21 +52,23 @@ pub fn encode(
 }
 
 impl Blocks {
-    fn of(pixels: &Pixels, options: &PictureOptions) -> Self {
+    fn of(pixels: &Pixels, format: Format, options: &PictureOptions) -> Result<Self, SaveError> {
         let metadata = &options.origin.metadata;
         let icc = metadata.icc.as_deref().map(<[u8]>::to_vec);
         if options.keep == Keep::Nothing {
-            return Self { icc, exif: None, xmp: None };
+            return Ok(Self { icc, exif: None, xmp: Vec::new() });
         }
         let strip_gps = options.keep == Keep::WithoutPosition;
-        let xmp = metadata.xmp.as_deref().and_then(|xmp| xmp::edited(xmp, strip_gps));
+        let photos = metadata.xmp.as_deref().and_then(|xmp| xmp::edited(xmp, strip_gps));
+        let photos = photos.and_then(|xmp| String::from_utf8(xmp).ok());
+        let xmp = options.carry.blocks(photos.as_deref(), format).map_err(|e| io(&e))?;
         let exif = metadata.exif.as_deref().and_then(|exif| {
             let thumbnail = thumbnail(pixels);
             let edit = |thumbnail| exif::edited(exif, &exif::Edit { size: pixels.size, strip_gps, thumbnail });
             // What does not fit into a JPEG's segment with its thumbnail goes without.
-            edit(thumbnail.as_deref()).filter(|block| block.len() + 6 <= JPEG_SEGMENT).or_else(|| edit(None))
+            edit(thumbnail.as_deref()).filter(|block| block.len() + 6 <= SEGMENT_BYTES).or_else(|| edit(None))
         });
-        Self { icc, exif, xmp }
+        Ok(Self { icc, exif, xmp })
     }
 }
 
@@ -109,7 +110,7 @@ fn png(out: &mut impl Write, pixels: &Pixels, blocks: Blocks) -> Result<(), Save
     info.srgb = blocks.icc.is_none().then_some(png::SrgbRenderingIntent::Perceptual);
     info.icc_profile = blocks.icc.map(Into::into);
     info.exif_metadata = blocks.exif.map(Into::into);
-    if let Some(xmp) = blocks.xmp.and_then(|xmp| String::from_utf8(xmp).ok()) {
+    if let Some(xmp) = blocks.xmp.into_iter().next().and_then(|xmp| String::from_utf8(xmp).ok()) {
         info.utf8_text.push(png::text_metadata::ITXtChunk::new("XML:com.adobe.xmp", xmp));
     }
     info.bit_depth = match pixels.samples {
@@ -145,12 +146,9 @@ fn jpeg(out: &mut impl Write, pixels: &Pixels, blocks: &Blocks, quality: u8) -> 
     let mut encoder = jpeg_encoder::Encoder::new(out, quality.clamp(1, 100));
     encoder.set_sampling_factor(jpeg_encoder::SamplingFactor::F_1_1);
     encoder.set_optimized_huffman_tables(true);
-    let segments = [(b"Exif\0\0".as_slice(), &blocks.exif), (JPEG_XMP, &blocks.xmp)];
-    for (head, block) in segments {
-        let Some(block) = block else { continue };
-        if head.len() + block.len() <= JPEG_SEGMENT {
-            encoder.add_app_segment(1, &[head, block].concat()).map_err(error)?;
-        }
+    let exif = blocks.exif.iter().map(|block| [b"Exif\0\0", &**block].concat());
+    for segment in exif.chain(blocks.xmp.iter().cloned()).filter(|segment| segment.len() <= SEGMENT_BYTES) {
+        encoder.add_app_segment(1, &segment).map_err(error)?;
     }
     if let Some(icc) = &blocks.icc {
         encoder.add_icc_profile(icc).map_err(error)?;
@@ -170,7 +168,7 @@ fn webp(out: &mut impl Write, pixels: &Pixels, blocks: Blocks) -> Result<(), Sav
     if let Some(exif) = blocks.exif {
         encoder.set_exif_metadata(exif);
     }
-    if let Some(xmp) = blocks.xmp {
+    if let Some(xmp) = blocks.xmp.into_iter().next() {
         encoder.set_xmp_metadata(xmp);
     }
     encoder.encode(&pixels.to_eight(), width, height, image_webp::ColorType::Rgb8).map_err(|error| match error {
@@ -192,7 +190,7 @@ fn write_tiff(out: &mut (impl Write + Seek), pixels: &Pixels, blocks: Blocks) ->
     encoder = encoder.with_predictor(tiff::tags::Predictor::Horizontal);
     let [mut texts, own, gps] = blocks.exif.as_deref().and_then(exif::fields).unwrap_or_default();
     texts.extend(blocks.icc.map(|data| Field { tag: Tag::IccProfile.to_u16(), kind: UNDEFINED, data }));
-    texts.extend(blocks.xmp.map(|data| Field { tag: TIFF_XMP, kind: BYTE, data }));
+    texts.extend(blocks.xmp.into_iter().next().map(|data| Field { tag: TIFF_XMP, kind: BYTE, data }));
     let mut pointers = Vec::new();
     for (tag, fields) in [(Tag::ExifDirectory, own), (Tag::GpsDirectory, gps)] {
         if !fields.is_empty() {

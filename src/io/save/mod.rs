@@ -4,8 +4,10 @@
 
 mod animation;
 mod atomic;
+mod carry;
 mod encode;
 pub(crate) mod exif;
+mod gdepth;
 #[cfg(test)]
 mod tests;
 mod video;
@@ -22,6 +24,7 @@ use crate::field::{Metadata, Photo, Picture, Transfer};
 
 pub use animation::{AnimationOptions, animation};
 pub use atomic::{atomic, atomic_new, folder, free_path, same_file};
+pub use carry::Carry;
 pub use encode::encode;
 
 pub use crate::field::{Pixels, Samples};
@@ -205,6 +208,8 @@ pub struct PictureOptions {
     pub keep: Keep,
     /// Where the picture comes from.
     pub origin: Origin,
+    /// What it takes along of how it was made; nothing where no metadata goes along.
+    pub carry: Carry,
     /// Whether the photo's own file may be written over.
     pub replace_source: bool,
     /// Whether a file that is there, or comes there meanwhile, is replaced.
@@ -214,7 +219,17 @@ pub struct PictureOptions {
 impl Default for PictureOptions {
     fn default() -> Self {
         let origin = Origin::default();
-        Self { format: None, bits: 8, quality: 92, keep: Keep::All, origin, replace_source: false, replace: true }
+        let carry = Carry::default();
+        Self {
+            format: None,
+            bits: 8,
+            quality: 92,
+            keep: Keep::All,
+            origin,
+            carry,
+            replace_source: false,
+            replace: true,
+        }
     }
 }
 

@@ -3,9 +3,20 @@
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, Writer};
 
-/// Prefixes of depth maps, originals, gain maps and containers: they belong to the photo's file, not to the picture.
-const STALE: [&str; 9] =
-    ["GDepth:", "GImage:", "GContainer:", "Container:", "Item:", "Device:", "hdrgm:", "HDRGainMap:", "xmpNote:"];
+/// Prefixes of edits, depth maps, originals, gain maps and containers: they belong to the photo's file, not to the picture.
+const STALE: [&str; 11] = [
+    "plenoscope:",
+    "xmlns:plenoscope",
+    "GDepth:",
+    "GImage:",
+    "GContainer:",
+    "Container:",
+    "Item:",
+    "Device:",
+    "hdrgm:",
+    "HDRGainMap:",
+    "xmpNote:",
+];
 
 /// The packet with orientation 1, without stale parts, and without the position if that is asked for.
 /// None if it cannot be read.

@@ -355,7 +355,7 @@ fn from_beside_the_scene_is_as_it_would_be_there() {
     let scene = Rgbd::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
     for (dv, du) in [(0.0, 4.0), (-3.5, 0.0), (2.0, -3.0)] {
         let eye = ViewPoint(ViewOffset { dv, du });
-        let moved = scene.seen_from(eye, size, &job).unwrap();
+        let moved = scene.seen_from(eye, 0.0, size, &job).unwrap();
         let color = |x: u32, y: u32| {
             let (x, y) = (x as f32, y as f32);
             let layer = nearest(&layers, x, y, [du, dv], 0.0);
@@ -372,7 +372,20 @@ fn from_beside_the_scene_is_as_it_would_be_there() {
         let psnr = psnr(&inside(&got), &inside(&truth));
         assert!(psnr >= 32.0, "from {eye:?}: {psnr} dB");
     }
-    assert!(Arc::ptr_eq(scene.seen_from(ViewPoint::default(), size, &job).unwrap().photo(), scene.photo()));
+    assert!(Arc::ptr_eq(scene.seen_from(ViewPoint::default(), 0.3, size, &job).unwrap().photo(), scene.photo()));
+}
+
+#[test]
+fn what_is_turned_around_stays_where_it_is() {
+    let (size, job) = ([96, 64], Job { cancel: &Default::default(), sink: &() });
+    let stripes = photo(size, |x, y| [0.5 + 0.3 * (x * 0.7).sin(), 0.5 + 0.2 * (y * 0.4).cos(), 0.4]);
+    let flat = Rgbd::new(stripes, map(size, |_, _| 0.75)).unwrap();
+    let eye = ViewPoint(ViewOffset { dv: 2.0, du: -3.0 });
+    let closed = Lens { f_number: FNumber::PHOTO, ..Lens::default() };
+    let seen =
+        |pivot_px: f32| render(&flat.seen_from(eye, pivot_px, size, &job).unwrap(), &closed, size, &job).unwrap();
+    let before = render(&flat, &closed, size, &job).unwrap();
+    assert!(psnr(&seen(0.75), &before) > 45.0 && psnr(&seen(0.0), &before) < 25.0);
 }
 
 #[test]
@@ -383,7 +396,7 @@ fn a_lens_beside_the_middle_agrees_with_the_light_field() {
     let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
     let scene = Rgbd::new(photo(size, |x, y| (see(x, y).light)(x, y)), map(size, |x, y| see(x, y).disparity)).unwrap();
     let eye = [2.0, -1.0];
-    let moved = scene.seen_from(ViewPoint(ViewOffset { du: eye[0], dv: eye[1] }), size, &job).unwrap();
+    let moved = scene.seen_from(ViewPoint(ViewOffset { du: eye[0], dv: eye[1] }), 0.0, size, &job).unwrap();
     for focus in [-0.6, 0.1] {
         let got = render(&moved, &focused(focus), size, &job).unwrap();
         let psnr = psnr(&got, &added_from(&layers, size, focus, eye));

@@ -25,8 +25,8 @@ const ROWS: usize = 64;
 
 impl Rgbd {
     /// The scene as it is seen from a viewpoint, in `size` pixels (at most the photo's). From the reference view it is
-    /// the scene itself.
-    pub fn seen_from(&self, eye: ViewPoint, size: Size, job: &Job) -> Result<Self, LensError> {
+    /// the scene itself. What lies at the disparity `pivot_px` stays where it is.
+    pub fn seen_from(&self, eye: ViewPoint, pivot_px: f32, size: Size, job: &Job) -> Result<Self, LensError> {
         if eye == ViewPoint::default() {
             return Ok(self.clone());
         }
@@ -35,6 +35,7 @@ impl Rgbd {
         let front = Front::new(self, size);
         let scale = self.disparity.scale_to(size);
         let shift = [eye.0.du * scale, eye.0.dv * scale];
+        let aside = shift.map(|shift| shift * pivot_px);
         let [width, height] = sides(size);
         let mut wide = vec![u16::MAX; width * height * 4];
         let mut depth = vec![0.0; width * height];
@@ -45,7 +46,8 @@ impl Rgbd {
             let rows = wide.par_chunks_mut(width * 4).zip(depth.par_chunks_mut(width)).enumerate();
             rows.for_each(|(row, (wide, depth))| {
                 for (x, (pixel, depth)) in wide.chunks_exact_mut(4).zip(depth).enumerate() {
-                    let (rgb, disparity) = front.look([x as f32, (done * ROWS + row) as f32], shift);
+                    let at = [x as f32 - aside[0], (done * ROWS + row) as f32 - aside[1]];
+                    let (rgb, disparity) = front.look(at, shift);
                     *depth = disparity;
                     (0..3).for_each(|c| pixel[c] = front.transfer.sixteen_from_linear(c, rgb[c]));
                 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{LensAsked, Usage};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::job::Job;
-use crate::scene::{DepthFrom, Edit, Maker, Making, Need, Recipe, Scene, SceneError, Subject};
+use crate::scene::{DepthFrom, Edit, Maker, Making, Need, Recipe, Restored, Scene, SceneError, Subject};
 
 /// How light fields are made of photos: what holds for all of them, a map of one's own, and an edit that is given.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +14,8 @@ pub struct How {
     making: Making,
     own_map: Option<GivenDepth>,
     recipe: Option<Recipe>,
+    /// The photo that the edit came out of a picture with.
+    restored: Option<Subject>,
 }
 
 impl How {
@@ -22,7 +24,13 @@ impl How {
         let source = if own_map.is_some() { DepthFrom::Map } else { making.source };
         let making = Making { source, ..making };
         let making = recipe.as_ref().map_or_else(|| making.clone(), |recipe| making.with_recipe(recipe));
-        Self { making, own_map, recipe }
+        Self { making, own_map, recipe, restored: None }
+    }
+
+    /// The same with the edit that a picture carries, and the photo that the picture was made of.
+    #[must_use]
+    pub fn restored(self, Restored { subject, recipe }: Restored) -> Self {
+        Self { restored: Some(subject), ..Self::new(self.making, self.own_map, Some(recipe)) }
     }
 
     /// How scenes are made.
@@ -40,9 +48,12 @@ impl How {
         self.recipe.as_ref()
     }
 
-    /// Opens a photo or a light field; a photo with the map.
+    /// Opens a photo or a light field; a photo with the map. Of a picture with an edit in use, the photo that it was made of.
     pub fn open(&self, path: &Path, job: &Job) -> Result<Arc<Subject>, SceneError> {
-        Ok(self.subject(Subject::open(path, job)?))
+        Ok(self.subject(match &self.restored {
+            Some(subject) => subject.clone(),
+            None => Subject::open(path, job)?,
+        }))
     }
 
     /// What is open already, with the map.
@@ -51,6 +62,11 @@ impl How {
             Some(map) => subject.with_own_map(map.clone()),
             None => subject,
         })
+    }
+
+    /// The edit that is given, and where the depth comes from: what goes into a picture.
+    pub fn edited(&self) -> Recipe {
+        self.recipe.clone().unwrap_or_default().of_depth(self.making.source.clone())
     }
 
     /// What is needed of a subject.

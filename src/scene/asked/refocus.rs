@@ -8,7 +8,7 @@ use crate::io::save::Keep;
 use crate::job::Job;
 use crate::scene::export::{Kind, Settings};
 use crate::scene::recipe::PictureSettings;
-use crate::scene::{Edit, Maker, OutputSize, Recipe, Scene, SceneError, Subject};
+use crate::scene::{Edit, Embed, Maker, OutputSize, Scene, SceneError, Subject};
 
 /// What is asked for; none leaves it to the recipe, and without one to the photo.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +23,8 @@ pub struct Refocus {
     pub quality: Option<u8>,
     /// Bits of a channel, 8 or 16.
     pub bits: Option<u8>,
+    /// What of the edit goes into the picture.
+    pub embed: Option<Embed>,
     /// Leaves EXIF and XMP out.
     pub strip_metadata: bool,
     /// Whether the photo's own file may be written over.
@@ -45,7 +47,7 @@ impl Refocus {
     /// # Errors
     /// [`SceneError`]; [`SceneError::Usage`] for what this photo cannot become.
     pub fn of(&self, subject: &Arc<Subject>, how: &How, maker: &Maker, job: &Job) -> Result<Asked, SceneError> {
-        let settings = self.settings(how.recipe(), subject, job)?;
+        let settings = self.settings(how, subject, job)?;
         let scene = how.scene_of_picture(subject, maker, Kind::Picture.need(settings.size()), job)?;
         self.of_scene(scene, how, settings)
     }
@@ -55,7 +57,7 @@ impl Refocus {
     /// # Errors
     /// [`SceneError`], as above.
     pub fn of_made(&self, scene: &Scene, how: &How, job: &Job) -> Result<Asked, SceneError> {
-        let settings = self.settings(how.recipe(), scene.subject(), job)?;
+        let settings = self.settings(how, scene.subject(), job)?;
         self.of_scene(how.made(scene, job)?, how, settings)
     }
 
@@ -66,12 +68,13 @@ impl Refocus {
     }
 
     /// How the picture is kept: as the recipe says, else with the photo's own bits.
-    fn settings(&self, recipe: Option<&Recipe>, subject: &Subject, job: &Job) -> Result<Settings, Usage> {
+    fn settings(&self, how: &How, subject: &Subject, job: &Job) -> Result<Settings, Usage> {
         let bits = subject.photo().map_or(8, |photo| photo.pixels().bits());
         let plain = || PictureSettings { bits, ..PictureSettings::default() };
-        let mut picture = recipe.map_or_else(plain, |recipe| recipe.export.clone());
+        let mut picture = how.recipe().map_or_else(plain, |recipe| recipe.export.clone());
         picture.bits = self.bits.unwrap_or(picture.bits);
         picture.quality = self.quality.unwrap_or(picture.quality);
+        picture.embed = self.embed.unwrap_or(picture.embed);
         if self.strip_metadata {
             picture.keep = Keep::Nothing;
         }
@@ -79,7 +82,8 @@ impl Refocus {
             picture.size = size;
             told(size, subject.size(), job)?;
         }
-        Ok(Settings { picture, replaces_source: self.replaces_source, ..Settings::default() })
+        let (recipe, replaces_source) = (how.edited(), self.replaces_source);
+        Ok(Settings { picture, recipe, replaces_source, ..Settings::default() })
     }
 }
 

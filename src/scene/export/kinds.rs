@@ -13,6 +13,7 @@ pub enum Kind {
     FocalStack,
     Animation,
     Video,
+    Frames,
     Living,
     SideBySide,
     Anaglyph,
@@ -65,7 +66,7 @@ pub struct Spec {
 }
 
 /// All kinds, in the order of the dialog.
-pub const KINDS: [Spec; 17] = [
+pub const KINDS: [Spec; 18] = [
     made_of_map(
         Kind::Picture,
         "picture",
@@ -97,6 +98,14 @@ pub const KINDS: [Spec; 17] = [
         "A film in AV1, MP4 or WebM: a focus pull, or what the timeline says",
         Group::Pictures,
         "",
+    ),
+    made_of_map(
+        Kind::Frames,
+        "frames",
+        "PNG sequence",
+        "A folder with each frame of that film as PNG, for programs that cut",
+        Group::Pictures,
+        "{name}-frames",
     ),
     made_of_map(
         Kind::Living,
@@ -260,7 +269,7 @@ mod tests {
     fn every_kind_has_one_line_and_one_name() {
         let mut ids: Vec<_> = KINDS.iter().map(|spec| spec.id).collect();
         assert!(KINDS.iter().all(|spec| Kind::named(spec.id) == Some(spec.kind) && spec.kind.spec().id == spec.id));
-        let folders = [Kind::FocalStack, Kind::Views, Kind::Hci, Kind::Stanford];
+        let folders = [Kind::FocalStack, Kind::Frames, Kind::Views, Kind::Hci, Kind::Stanford];
         assert!(KINDS.iter().all(|spec| spec.kind.is_folder() == folders.contains(&spec.kind)));
         ids.sort_unstable();
         ids.dedup();

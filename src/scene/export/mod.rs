@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::recipe::PictureSettings;
-use super::{Edit, Movement, OutputSize, Timeline};
+use super::{Edit, Movement, OutputSize, Recipe, Timeline};
 use crate::io::formats::quilt;
 use crate::io::save::{self, Keep};
 
@@ -68,6 +68,9 @@ pub struct Settings {
     /// What moves in either where a timeline says it.
     #[serde(skip)]
     pub timeline: Option<Timeline>,
+    /// What the edit comes from: where its depth is from, and what else its file held. Goes into pictures, if asked for.
+    #[serde(skip)]
+    pub recipe: Recipe,
     /// Distance between both eyes, in view steps.
     pub eyes_apart: f32,
     /// Which display a quilt is for, an index of [`quilt::DEVICES`].
@@ -91,6 +94,7 @@ impl Default for Settings {
             animation_size: OutputSize::LongSide(Self::ANIMATION_PX),
             film: Film::default(),
             timeline: None,
+            recipe: Recipe::default(),
             eyes_apart: Self::EYES_APART,
             device: 0,
             replaces_source: false,
@@ -104,6 +108,9 @@ impl Default for Settings {
 pub struct Film {
     /// How many frames.
     pub frames: u16,
+    /// Whether so many it has, however long its timeline is.
+    #[serde(skip)]
+    pub is_cut: bool,
     /// So many a second.
     pub frames_per_second: u16,
     /// The name's ending: `mp4` or `webm`.
@@ -114,7 +121,13 @@ pub struct Film {
 
 impl Default for Film {
     fn default() -> Self {
-        Self { frames: 90, frames_per_second: 30, ending: "mp4".to_owned(), size: OutputSize::Within([1920, 1080]) }
+        Self {
+            frames: 90,
+            is_cut: false,
+            frames_per_second: 30,
+            ending: "mp4".to_owned(),
+            size: OutputSize::Within([1920, 1080]),
+        }
     }
 }
 
@@ -155,11 +168,21 @@ impl Settings {
         quilt::DEVICES.get(self.device).unwrap_or(&quilt::DEVICES[0])
     }
 
+    /// How many frames an animation or a film has, and how many a second. A timeline says how long it is.
+    pub fn frames_and_rate(&self) -> (u16, u16) {
+        let (frames, rate) = match self.kind {
+            Kind::Video | Kind::Frames => (self.film.frames, self.film.frames_per_second),
+            _ => return (self.frames, self.frames_per_second),
+        };
+        let lasts = self.timeline.as_ref().filter(|_| self.movement == Movement::Timeline && !self.film.is_cut);
+        (lasts.map_or(frames, |timeline| timeline.frames(rate)), rate)
+    }
+
     /// How large pictures, frames and stacks become.
     pub fn size(&self) -> OutputSize {
         match self.kind {
             Kind::Animation => self.animation_size,
-            Kind::Video => self.film.size,
+            Kind::Video | Kind::Frames => self.film.size,
             _ => self.picture.size,
         }
     }

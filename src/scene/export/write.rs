@@ -12,7 +12,7 @@ use crate::io::save::{self, AnimationOptions, PictureOptions, SaveError};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
 use crate::scene::recipe::PictureSettings;
-use crate::scene::{Edit, MadeViews, Maker, Making, Recipe, Scene, SceneError, Subject, series};
+use crate::scene::{Edit, MadeViews, Maker, Making, Recipe, Scene, SceneError, Subject, embed, series};
 
 /// Quality of the JPEG that carries the depth.
 const GDEPTH_QUALITY: u8 = 95;
@@ -59,9 +59,12 @@ impl FileExport<'_> {
             None => subject,
         });
         let need = self.settings.kind.need(self.settings.size());
-        let scene = self.maker.scene(&subject, &self.making.with_recipe(self.recipe), need, job)?;
+        let making = self.making.with_recipe(self.recipe);
+        let scene = self.maker.scene(&subject, &making, need, job)?;
         let edit = self.recipe.edit(scene.map().size()[0]);
-        match write(&scene, &edit, self.settings, &target, job) {
+        let settings =
+            Settings { recipe: self.recipe.clone().of_depth(making.source.clone()), ..self.settings.clone() };
+        match write(&scene, &edit, &settings, &target, job) {
             Err(SceneError::Save(SaveError::Exists(target))) => Ok(Written::Skipped(target)),
             done => done.map(|()| Written::Saved(target)),
         }
@@ -76,14 +79,15 @@ pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job
     match settings.kind {
         Kind::Picture => write_picture(scene, edit, settings, target, job).map(drop),
         Kind::FocalStack => series::focal_stack(scene, edit, settings.size(), settings.frames, target, job),
-        Kind::Animation | Kind::Video => {
-            let (frames, frames_per_second) = match settings.kind {
-                Kind::Video => (settings.film.frames, settings.film.frames_per_second),
-                _ => (settings.frames, settings.frames_per_second),
-            };
+        Kind::Animation | Kind::Video | Kind::Frames => {
+            let (frames, frames_per_second) = settings.frames_and_rate();
             let options = AnimationOptions { frames_per_second, frames: frames.max(2).into() };
             let moving = series::Moving { movement: settings.movement, timeline: settings.timeline.as_ref() };
-            series::animation(scene, edit, moving, settings.size(), target, &options, job)
+            let size = settings.size();
+            match settings.kind {
+                Kind::Frames => series::sequence(scene, edit, moving, size, (target, options.frames), job),
+                _ => series::animation(scene, edit, moving, size, target, &options, job),
+            }
         }
         Kind::Living => living::write(scene, edit, settings, target, job),
         Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth => depth(scene, settings.kind, target, job),
@@ -102,10 +106,11 @@ pub fn write_picture(
     target: &Path,
     job: &Job,
 ) -> Result<Pixels, SceneError> {
-    let options = picture_options(scene, settings);
+    let mut options = picture_options(scene, settings);
     let format = save::check(target, &options)?;
     let pixels = scene.picture(edit, settings.size(), settings.picture.bits_in(format), job)?;
     job.advance(Stage::Save, 0, 1)?;
+    options.carry = embed::carry(scene, edit, settings, job)?;
     save::pixels(target, &pixels, &options)?;
     Ok(pixels)
 }
@@ -115,7 +120,7 @@ fn picture_options(scene: &Scene, settings: &Settings) -> PictureOptions {
     let PictureSettings { bits, quality, keep, .. } = settings.picture;
     let origin = scene.origin(settings.size());
     let (replace, replace_source) = (settings.existing != Existing::Leave, settings.replaces_source);
-    PictureOptions { format: None, bits, quality, keep, origin, replace_source, replace }
+    PictureOptions { bits, quality, keep, origin, replace_source, replace, ..PictureOptions::default() }
 }
 
 /// One map as a file.

@@ -20,7 +20,7 @@ fn scene(metric: bool, f35_mm: Option<f32>, strength: f32) -> Scene {
     let phone = Some(Arc::new(EmbeddedDepth { kind: DepthKind::DynamicDepth, map, metric }));
     let content =
         Content::Photo(OnePhoto { photo, f35_mm, phone, own_map: None, splats: None, truth: None, several: None });
-    let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, info: None, content });
+    let subject = Arc::new(Subject { name: "phone".to_owned(), path: None, file: None, info: None, content });
     let how = Making { strength: Some(Strength(strength)), ..Making::default() };
     let job = Job { cancel: &Cancel::default(), sink: &() };
     Maker::default().scene(&subject, &how, Need::Map, &job).unwrap()

@@ -9,6 +9,7 @@
 mod beside;
 mod error;
 mod pixels;
+mod presets;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{DepthFrom, Edit, Focus, OutputSize, Timeline, source};
+use super::{DepthFrom, Edit, Embed, Focus, OutputSize, Timeline, source};
 use crate::field::{Strength, ViewPoint};
 use crate::io::save::{Format, Keep, SaveError, atomic};
 use crate::repair::Repairs;
@@ -25,11 +26,12 @@ use crate::within;
 pub use beside::Found;
 pub use error::RecipeError;
 use pixels::PixelEdit;
+pub use presets::Presets;
 
 /// What is appended to a photo's name for its sidecar.
 const SIDECAR: &str = ".plenoscope.json";
 /// A recipe is small, even with many strokes; what is larger is none.
-const LARGEST_BYTES: u64 = 16 << 20;
+pub(super) const LARGEST_BYTES: u64 = 16 << 20;
 /// The most letters of the name of pictures.
 const LONGEST_NAME: usize = 200;
 /// The version that is written.
@@ -51,6 +53,8 @@ pub struct PictureSettings {
     pub size: OutputSize,
     /// Which metadata goes along.
     pub keep: Keep,
+    /// What of the edit goes along.
+    pub embed: Embed,
     /// Name of the file without its ending: `{name}` is the photo's, `{f}` the f-number, `{focus}` what is in focus.
     pub name: String,
 }
@@ -58,7 +62,8 @@ pub struct PictureSettings {
 impl Default for PictureSettings {
     fn default() -> Self {
         let name = "{name}-f{f}".to_owned();
-        Self { format: Format::Jpeg, bits: 8, quality: 92, size: OutputSize::Photo, keep: Keep::All, name }
+        let (size, keep, embed) = (OutputSize::Photo, Keep::All, Embed::default());
+        Self { format: Format::Jpeg, bits: 8, quality: 92, size, keep, embed, name }
     }
 }
 
@@ -135,6 +140,12 @@ impl Recipe {
         Self { body: Body::Shares(edit), ..self }
     }
 
+    /// The same recipe for a scene whose depth is from elsewhere, a map of one's own too; that does not go into its text.
+    #[must_use]
+    pub fn of_depth(self, source: DepthFrom) -> Self {
+        Self { depth: Some(source), ..self }
+    }
+
     /// The same recipe with its depth from elsewhere. A map of one's own does not go into a recipe.
     #[must_use]
     pub fn with_depth(self, source: &DepthFrom) -> Self {
@@ -191,6 +202,7 @@ impl Recipe {
             ("distance", edit.distance.is_none_or(|distance| distance.is_valid())),
             ("highlights", is_share(edit.highlights)),
             ("grain", is_share(edit.grain)),
+            ("pivot", edit.pivot.abs() < 1.0),
             ("focus", place_is_inside),
             ("quality", (1..=100).contains(&self.export.quality)),
             ("bits", [8, 16].contains(&self.export.bits)),
@@ -204,6 +216,15 @@ impl Recipe {
 
     /// As JSON text, with all that was unknown when it was read.
     pub fn to_json(&self) -> String {
+        format!("{:#}\n", self.value())
+    }
+
+    /// The same in one line.
+    pub fn to_line(&self) -> String {
+        self.value().to_string()
+    }
+
+    fn value(&self) -> Value {
         let mut whole = self.whole.clone();
         let known = match &self.body {
             Body::Pixels(edit) => serde_json::to_value(pixels::Stored::new(edit, &self.export)),
@@ -224,7 +245,7 @@ impl Recipe {
             }
         };
         merge(&mut whole, known.unwrap_or_default());
-        format!("{whole:#}\n")
+        whole
     }
 
     /// Reads a recipe.

@@ -4,6 +4,7 @@
 //! and stays what the edit says where no key has it. Focus goes evenly in disparity, the aperture in views across (as
 //! blur does), the strength in ratios. A timeline knows no seconds but its own: how many frames that is, the film says.
 
+mod keys;
 mod preset;
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,7 @@ use super::export::Settings;
 use super::{Edit, Focus, Scene};
 use crate::field::{FNumber, Mix, Strength, ViewOffset, ViewPoint};
 
+pub use keys::Holds;
 pub use preset::Preset;
 
 /// How many keys there can be.
@@ -188,11 +190,16 @@ impl Key {
 }
 
 impl Scene {
-    /// What is done to the picture in each frame of a timeline.
-    pub fn frames_of(&self, timeline: &Timeline, edit: &Edit, frames: u32) -> Vec<Edit> {
+    /// What is done to the picture at a moment of a timeline.
+    pub fn edit_at(&self, timeline: &Timeline, moment: f32, edit: &Edit) -> Edit {
         let width = self.map().size()[0] as f32 * self.strength().0;
         let focused = |focus| self.lens(&Edit { focus, ..edit.clone() }).focus.disparity_px / width;
-        (0..frames).map(|frame| timeline.edit_at(timeline.moment(frame, frames), edit, focused)).collect()
+        timeline.edit_at(moment, edit, focused)
+    }
+
+    /// What is done to the picture in each frame of a timeline.
+    pub fn frames_of(&self, timeline: &Timeline, edit: &Edit, frames: u32) -> Vec<Edit> {
+        (0..frames).map(|frame| self.edit_at(timeline, timeline.moment(frame, frames), edit)).collect()
     }
 }
 

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use plenoscope::markup::escaped;
 use serde::Serialize;
 
 use super::charts::{Axes, Series, bars, lines};
@@ -208,10 +209,6 @@ fn figure(panel: &Panel, png: &[u8]) -> String {
         "<figure><img alt=\"{says}\" src=\"data:image/png;base64,{}\"><figcaption>{says}</figcaption></figure>",
         base64(png)
     )
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Bytes as text (RFC 4648).

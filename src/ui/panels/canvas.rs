@@ -1,12 +1,14 @@
 //! The picture: drag to look round, click to focus, wheel to zoom.
 
-use egui::{Align2, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
+use egui::{Align2, Color32, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 
 use crate::field::{ViewOffset, ViewPoint};
+use crate::io::formats::stereo;
 use crate::render::gpu::Draw;
+use crate::scene::export::Settings;
 use crate::scene::{Edit, Focus};
 use crate::ui::field_pictures::{FieldPictures, Slot};
-use crate::ui::look::{Look, Split};
+use crate::ui::look::{Look, Split, Stereo};
 use crate::ui::open::Open;
 use crate::ui::rest::{AtRest, Seen};
 use crate::ui::sharp;
@@ -44,10 +46,11 @@ pub fn show(mut shown: Canvas, ui: &mut Ui, canvas: Rect) {
     move_picture(shown.look, ui, &response, canvas, size);
     look_and_focus(&mut shown, ui, &response, canvas, size);
     let rect = shown.look.pose.screen_rect(canvas, size);
-    probe(shown.open, shown.edit, shown.look, &response, rect);
+    let turned = turned(shown.open, shown.edit, rect);
+    probe(shown.open, shown.edit, shown.look, &response, turned);
     paint(&mut shown, ui, canvas, rect);
-    cross_hairs(&shown, ui, canvas, rect);
-    rings(&shown, ui, canvas, rect);
+    cross_hairs(&shown, ui, canvas, turned);
+    rings(&shown, ui, canvas, turned);
     read_out(&shown, ui, canvas, size);
 }
 
@@ -69,7 +72,7 @@ pub fn move_picture(look: &mut Look, ui: &Ui, response: &Response, canvas: Rect,
 
 fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect, size: Vec2) {
     let Canvas { open, edit, look, picture_width, .. } = shown;
-    let rect = look.pose.screen_rect(canvas, size);
+    let rect = turned(open, edit, look.pose.screen_rect(canvas, size));
     let is_pan = ui.input(|input| input.key_down(Key::Space));
     let has_photo = open.photo().is_some();
     if response.hover_pos().is_some_and(|at| has_photo && is_on_split(&look.split, at, canvas)) {
@@ -101,7 +104,10 @@ fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect
     if response.clicked()
         && let Some(at) = response.interact_pointer_pos()
     {
-        if !ui.input(|input| input.modifiers.shift) {
+        let keys = ui.input(|input| input.modifiers);
+        if keys.alt {
+            turn_around(open, edit, look, at, rect);
+        } else if !keys.shift {
             focus_at(open, edit, look, at, rect);
         } else if let Some(place) = place_at(open, edit, look, at, rect) {
             let ring = sharp::ring_at(open, edit, at, rect);
@@ -128,6 +134,23 @@ pub fn focus_at(open: &Open, edit: &mut Edit, look: &mut Look, at: Pos2, rect: R
     }
 }
 
+/// Where a view of the eye's place lies on the screen, so that what is turned around stays where it is.
+pub fn turned(open: &Open, edit: &Edit, rect: Rect) -> Rect {
+    let eye = edit.viewpoint.0;
+    let per_step = edit.pivot * open.strength().0 * rect.width();
+    rect.translate(vec2(eye.du, eye.dv) * per_step)
+}
+
+/// What is under a point of the screen stays where it is from now on, while the eye goes round.
+fn turn_around(open: &Open, edit: &mut Edit, look: &mut Look, at: Pos2, rect: Rect) {
+    let view = open.nearest_view(edit.viewpoint);
+    if place_at(open, edit, look, at, rect).is_some()
+        && let (Some(px), Some(rays)) = (open.disparity_at(view, look.probe), open.rays())
+    {
+        edit.pivot = px / (rays.depths.size()[0] as f32 * open.strength().0);
+    }
+}
+
 /// What the cross-hairs go through: the pointer, or the last click.
 pub fn probe(open: &Open, edit: &Edit, look: &mut Look, response: &Response, rect: Rect) {
     look.hovered_px = None;
@@ -145,6 +168,9 @@ fn paint(shown: &mut Canvas, ui: &Ui, canvas: Rect, rect: Rect) {
     let arrived = shown.pictures.as_ref().and_then(|pictures| pictures.arrived());
     let is_complete = arrived.is_some_and(|(have, all)| have == all);
     let has_photo = shown.photo.is_some();
+    if is_complete && !holds_photo && shown.look.stereo != Stereo::Off {
+        return both_eyes(shown, &painter, rect);
+    }
     let shows_field = is_complete && !holds_photo && !(shown.edit.shows_photo_itself() && has_photo);
     let opacity = ui.ctx().animate_bool_with_time(ui.scope_id().with("field"), shows_field, FADE_SECS);
     let is_split = shown.look.split.is_shown && has_photo;
@@ -163,7 +189,7 @@ fn paint(shown: &mut Canvas, ui: &Ui, canvas: Rect, rect: Rect) {
     }
     let seen = Seen { open: shown.open, edit: shown.edit, look: shown.look };
     if let Some(peaks) = shown.rest.peaks(&seen).filter(|_| shown.has_peaks && !holds_photo) {
-        painter.image(peaks.id(), rect, widgets::WHOLE, theme::AS_IS);
+        painter.image(peaks.id(), turned(shown.open, shown.edit, rect), widgets::WHOLE, theme::AS_IS);
     }
     if is_split {
         split_line(&shown.look.split, ui, canvas);
@@ -185,10 +211,37 @@ fn paint_field(shown: &mut Canvas, ui: &Ui, painter: &egui::Painter, rect: Rect,
     }
 }
 
+/// What both eyes see, as they are shown at once.
+fn both_eyes(shown: &mut Canvas, painter: &egui::Painter, rect: Rect) {
+    let eyes = stereo::eyes(Settings::EYES_APART).map(|at| {
+        let here = shown.edit.viewpoint.0;
+        Edit { viewpoint: ViewPoint(ViewOffset { du: here.du + at.0.du, ..here }), ..shown.edit.clone() }
+    });
+    let half = |side: f32| {
+        let middle = pos2(rect.left() + rect.width() * (0.25 + 0.5 * side), rect.center().y);
+        Rect::from_center_size(middle, rect.size() / 2.0)
+    };
+    let (places, tints) = match shown.look.stereo {
+        Stereo::Off => return,
+        Stereo::Anaglyph => ([rect; 2], theme::EYES),
+        Stereo::Parallel => ([half(0.0), half(1.0)], [theme::AS_IS; 2]),
+        Stereo::Crossed => ([half(1.0), half(0.0)], [theme::AS_IS; 2]),
+    };
+    for (((edit, slot), place), tint) in eyes.iter().zip([Slot::Picture, Slot::RightEye]).zip(places).zip(tints) {
+        paint_eye(shown, edit, slot, &painter.with_clip_rect(painter.clip_rect().intersect(place)), place, tint);
+    }
+}
+
 /// The light field through the lens, at its own size.
 fn paint_draft(shown: &mut Canvas, painter: &egui::Painter, rect: Rect, opacity: f32) {
+    let edit = shown.edit.clone();
+    paint_eye(shown, &edit, Slot::Picture, painter, rect, theme::AS_IS.gamma_multiply(opacity));
+}
+
+/// What one eye sees of it.
+fn paint_eye(shown: &mut Canvas, edit: &Edit, slot: Slot, painter: &egui::Painter, rect: Rect, tint: Color32) {
     let Some(pictures) = &mut shown.pictures else { return };
-    let edit = shown.open.drafted(shown.edit);
+    let edit = shown.open.drafted(edit);
     let (lens, viewpoint) = (shown.open.lens(&edit), edit.viewpoint);
     let draw = if lens.f_number.added_views() == 0.0 {
         Draw::View(viewpoint)
@@ -197,8 +250,9 @@ fn paint_draft(shown: &mut Canvas, painter: &egui::Painter, rect: Rect, opacity:
         let is_draft = pictures.is_software() && (shown.look.is_moving || shown.open.photo().is_some());
         Draw::Refocus { lens, center: viewpoint, is_draft }
     };
-    if let Some(id) = pictures.show(Slot::Picture, draw) {
-        painter.image(id, rect, widgets::WHOLE, theme::AS_IS.gamma_multiply(opacity));
+    let rect = turned(shown.open, &edit, rect);
+    if let Some(id) = pictures.show(slot, draw) {
+        painter.image(id, rect, widgets::WHOLE, tint);
     }
 }
 

@@ -7,7 +7,7 @@ use egui::{Context, RichText, Ui, vec2};
 use crate::io::formats::quilt;
 use crate::io::save::{Format, Keep};
 use crate::scene::export::{Existing, Group, KINDS, Kind, Settings};
-use crate::scene::{Edit, Movement, OutputSize};
+use crate::scene::{Edit, Embed, Movement, OutputSize};
 use crate::ui::action::Action;
 use crate::ui::ask::Ask;
 use crate::ui::open::Open;
@@ -117,7 +117,7 @@ fn rows(ui: &mut Ui, export: &mut Export) {
             size_row(ui, settings, open);
         }
         Kind::Animation => animation_rows(ui, settings),
-        Kind::Video => film_rows(ui, settings),
+        Kind::Video | Kind::Frames => film_rows(ui, settings),
         Kind::SideBySide | Kind::Anaglyph => {
             widgets::labelled(ui, "Eyes apart", |ui| {
                 let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
@@ -185,12 +185,19 @@ fn movement_row(ui: &mut Ui, settings: &mut Settings) {
 
 fn film_rows(ui: &mut Ui, settings: &mut Settings) {
     movement_row(ui, settings);
+    let is_timed = settings.movement == Movement::Timeline && settings.timeline.is_some();
+    let (frames, rate_before) = settings.frames_and_rate();
+    let is_film = settings.kind == Kind::Video;
     let film = &mut settings.film;
     widgets::labelled(ui, "Frames", |ui| {
-        ui.add(egui::DragValue::new(&mut film.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
+        if is_timed {
+            ui.weak(frames.to_string());
+        } else {
+            ui.add(egui::DragValue::new(&mut film.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
+        }
         let rate = egui::DragValue::new(&mut film.frames_per_second).range(1..=50).speed(0.1);
         ui.add(rate.suffix(" a second"));
-        ui.weak(format!("{:.1} s", f32::from(film.frames) / f32::from(film.frames_per_second.max(1))));
+        ui.weak(format!("{:.1} s", f32::from(frames) / f32::from(rate_before.max(1))));
     });
     widgets::labelled(ui, "Fits into", |ui| {
         let all = [[1280, 720], [1920, 1080], [3840, 2160]].map(|size| (OutputSize::Within(size), size[1]));
@@ -198,6 +205,9 @@ fn film_rows(ui: &mut Ui, settings: &mut Settings) {
         let names: Vec<_> = names.iter().map(|(size, name)| (*size, name.as_str())).collect();
         widgets::segmented(ui, "Fits into", &mut film.size, &names);
     });
+    if !is_film {
+        return;
+    }
     widgets::labelled(ui, "Format", |ui| {
         let all = [("mp4", "MP4"), ("webm", "WebM")].map(|(ending, name)| (ending.to_owned(), name));
         widgets::segmented(ui, "Format", &mut film.ending, &all);
@@ -263,6 +273,17 @@ fn format_rows(ui: &mut Ui, settings: &mut Settings) {
         let all = [(Keep::All, "Keep all"), (Keep::WithoutPosition, "Without the place"), (Keep::Nothing, "Drop all")];
         widgets::segmented(ui, "Metadata", &mut settings.keep, &all);
     });
+    let is_on = settings.keep != Keep::Nothing;
+    let Embed { recipe, depth, photo } = &mut settings.embed;
+    widgets::labelled(ui, "Inside", |ui| {
+        let mut part = |value: &mut bool, name: &str, hint: &str| {
+            let shown = ui.add_enabled(is_on, egui::Checkbox::new(value, name)).on_hover_text(hint);
+            shown.on_disabled_hover_text("Nothing goes along where all metadata is dropped");
+        };
+        part(recipe, "Edit", "The picture knows how it was made: opened again, photo and edit are back");
+        part(depth, "Depth", "The depth map, as phones write it (GDepth)");
+        part(photo, "Photo", "The photo's file itself, so that the edit needs nothing beside it");
+    });
 }
 
 /// Name and folder; asks for a folder.
@@ -275,12 +296,12 @@ fn place_rows(ui: &mut Ui, export: &mut Export) -> Option<Action> {
             ui.add(edit).on_hover_text("{name}, {f} and {focus} are filled in");
         });
     }
-    let target = match (photos.first(), open.subject()) {
+    let target = match (photos.first(), open.document()) {
         (Some(path), _) => {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             settings.target(Some(path), &name, edit)
         }
-        (None, Some(subject)) => settings.target(subject.path.as_deref(), &subject.name, edit),
+        (None, Some(document)) => settings.target(document.path(), &document.subject.name, edit),
         (None, None) => PathBuf::new(),
     };
     let mut action = None;

@@ -9,7 +9,7 @@ use super::real_lens::{self, RealLens};
 use super::source::{self, Sources};
 use super::strength;
 use super::strip::{self, Views};
-use crate::field::{FNumber, Lens, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
+use crate::field::{FNumber, Histogram, Lens, ViewGrid, ViewIndex, ViewOffset, ViewPoint};
 use crate::render::cpu::Colormap;
 use crate::render::gpu::Draw;
 use crate::repair::Repairs;
@@ -49,11 +49,14 @@ pub struct Inspector<'a> {
     pub mending: &'a mut Mending,
     /// What was done to the depth.
     pub repairs: &'a Repairs,
+    /// How bright the picture is.
+    pub histogram: Option<&'a Histogram>,
 }
 
 /// Draws the inspector.
 pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
-    let Inspector { open, edit, is_circling, settings, sources, lenses, mut pictures, mending, repairs } = shown;
+    let Inspector { open, edit, is_circling, settings, sources, lenses, mut pictures, mending, repairs, histogram } =
+        shown;
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
@@ -76,13 +79,18 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                 }
                 if let Some(grid) = open.grid() {
                     let trust = open.invented().map(|invented| (invented, limit));
-                    let eye = Eye { grid, at: &mut edit.viewpoint, is_circling, trust };
+                    let width = open.rays().map_or(1, |rays| rays.depths.size()[0]) as f32 * open.strength().0;
+                    let eye =
+                        Eye { grid, at: &mut edit.viewpoint, pivot: (&mut edit.pivot, width), is_circling, trust };
                     actions.extend(viewpoint(eye, open.rays().map(|rays| &*rays.survey), ui));
                 }
                 actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
                 strength::show(open, edit, ui);
                 actions.extend(source::source(open, &sources, ui));
                 actions.extend(source::light_field(open, ui));
+                if let Some(counted) = histogram {
+                    super::histogram::show(counted, ui);
+                }
                 if let Some(scene) = open.scene() {
                     actions.extend(real_lens::show(RealLens { scene, edit, settings, lenses }, ui));
                 }
@@ -179,7 +187,7 @@ fn aperture(ui: &mut Ui, f: &mut FNumber, trust: Option<(FNumber, f32)>) {
     for mark in [28.0f32, 14.0, 7.0, 3.5, 2.0, 1.0] {
         let at = place_from_f(FNumber(mark));
         let is_synthetic = mark < FNumber::PAPER_WIDEST.0;
-        let color = if is_synthetic { colors.weak.gamma_multiply(0.7) } else { colors.weak };
+        let color = colors.weak;
         let text = if mark == 28.0 { "f/28".to_owned() } else { format!("{mark}") };
         let align = [Align2::CENTER_CENTER, Align2::LEFT_CENTER, Align2::RIGHT_CENTER]
             [if mark == 28.0 { 1 } else { usize::from(mark == 1.0) * 2 }];
@@ -252,6 +260,8 @@ fn focus(ui: &mut Ui, lens: &mut Lens) {
 struct Eye<'a> {
     grid: ViewGrid,
     at: &'a mut ViewPoint,
+    /// What stays where it is, as a share of the width, and that width in pixels.
+    pivot: (&'a mut f32, f32),
     is_circling: &'a mut bool,
     /// How much of each view was invented, and how much may be.
     trust: Option<(&'a Invented, f32)>,
@@ -304,6 +314,12 @@ fn coordinates(eye: &mut Eye, ui: &mut Ui) {
     };
     widgets::number(ui, &mut at.0.du, &spec("u", [lo.du, hi.du]));
     widgets::number(ui, &mut at.0.dv, &spec("v", [lo.dv, hi.dv]));
+    let (pivot, width) = &mut eye.pivot;
+    let mut px = **pivot * *width;
+    let hint = "The disparity of what stays where it is while you look round; Alt-click sets it";
+    if widgets::number(ui, &mut px, &Number { decimals: 2, speed: 0.01, hint, ..spec("Pivot", [-32.0, 32.0]) }) {
+        **pivot = px / *width;
+    }
 }
 
 /// One cell a view: the brighter, the less of it was invented; amber where the eye is.

@@ -9,12 +9,14 @@ mod epi;
 mod export;
 mod glass;
 mod hint;
+mod histogram;
 mod inspector;
 mod many;
 mod mend;
 mod near_end;
 mod opening;
 mod path_box;
+mod presets;
 mod queue;
 mod real_lens;
 mod repair;
@@ -25,6 +27,7 @@ mod source;
 mod status;
 mod strength;
 mod strip;
+mod timeline;
 mod top_bar;
 mod views;
 
@@ -54,6 +57,7 @@ use top_bar::TopBar;
 const TOP_HEIGHT: f32 = 44.0;
 const STATUS_HEIGHT: f32 = 26.0;
 const RULER_HEIGHT: f32 = 96.0;
+const TIMELINE_HEIGHT: f32 = 80.0;
 const MARGIN: f32 = 10.0;
 const GAP: f32 = 6.0;
 
@@ -92,7 +96,9 @@ pub fn layout(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
 fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -> Vec<Action> {
     let colors = theme::palette(ui.ctx());
     let ruler = Rect::from_min_max(pos2(area.left(), area.bottom() - RULER_HEIGHT), area.max);
-    let work = Rect::from_min_max(area.min, pos2(area.right(), ruler.top())).shrink(MARGIN);
+    let film = if window.film.is_shown { TIMELINE_HEIGHT } else { 0.0 };
+    let line = Rect::from_min_max(pos2(area.left(), ruler.top() - film), pos2(area.right(), ruler.top()));
+    let work = Rect::from_min_max(area.min, line.right_top()).shrink(MARGIN);
     let has_epis = !is_narrow && window.look.face == Face::Picture;
     let room = if has_epis { theme::EPI_THICKNESS + GAP } else { 0.0 };
     let canvas = Rect::from_min_max(work.min, work.max - vec2(room, room));
@@ -106,6 +112,10 @@ fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -
         let Window { open, edit, look, pictures, mending, .. } = window;
         let epis = Epis { open, edit, look, pictures: pictures.as_mut(), reach: mending.reach };
         actions.extend(inside(ui, work, |ui| epi::show(epis, ui, [row, column, corner])));
+    }
+    if window.film.is_shown {
+        let Window { timeline, film, .. } = &mut *window;
+        actions.extend(panel(ui, line, colors.panel, |ui| timeline::show(timeline::Shown { timeline, film }, ui)));
     }
     let before = window.open.lens(&window.edit);
     let mut after = before.clone();
@@ -143,7 +153,7 @@ fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
     if settings.trust
         && let (Some(tint), Some(size)) = (tint.texture(&seen, rest.generation()), open.picture_size())
     {
-        let rect = look.pose.screen_rect(area, size);
+        let rect = canvas::turned(open, edit, look.pose.screen_rect(area, size));
         ui.painter_at(area.intersect(rect)).image(tint.id(), rect, WHOLE, theme::AS_IS);
     }
     if !mending.is_on {
@@ -174,10 +184,15 @@ fn compared(window: &Window, ui: &Ui, canvas: Rect) {
 
 fn inspector(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
     let (source, sources) = (window.looked_at(), window.sources());
-    let Window { open, edit, look, pictures, settings, models, lenses, mending, repairs, .. } = window;
+    let Window { open, edit, look, pictures, settings, models, lenses, mending, repairs, rest, photo, .. } = window;
+    let of_photo = photo.as_ref().and_then(|photo| photo.histogram());
+    let histogram = if edit.shows_photo_itself() { of_photo } else { rest.histogram().or(of_photo) };
     let (pictures, is_circling) = (pictures.as_mut(), &mut look.is_circling);
     let sources = Sources { looked_at: source, all: sources, nets: models };
-    inspector::show(Inspector { open, edit, is_circling, settings, sources, lenses, pictures, mending, repairs }, ui)
+    inspector::show(
+        Inspector { open, edit, is_circling, settings, sources, lenses, pictures, mending, repairs, histogram },
+        ui,
+    )
 }
 
 fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {
@@ -196,13 +211,15 @@ fn status_line(window: &Window, ui: &Ui) -> Option<Action> {
 
 /// Draws the dialog that is open.
 pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
-    let Window { open, edit, settings, dialog, .. } = window;
+    let Window { open, edit, settings, dialog, timeline, .. } = window;
     match dialog {
         None => Vec::new(),
         Some(Dialog::Export(photos)) => {
+            settings.export.timeline.clone_from(timeline);
             export::show(Export { settings: &mut settings.export, photos, open, edit }, ctx)
         }
         Some(Dialog::Shortcuts) => sheet::show(ctx),
+        Some(Dialog::Presets { names, new }) => presets::show(names, new, ctx),
         Some(Dialog::Settings) => settings::show(settings, ctx),
         Some(Dialog::Path(wanted, text)) => path_box::show(*wanted, text, ctx),
         Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),

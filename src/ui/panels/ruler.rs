@@ -73,6 +73,9 @@ fn drag_focus(focus: &mut f32, ui: &mut Ui, scale: &Scale) -> Option<Action> {
     if let Some(at) = response.interact_pointer_pos() {
         *focus = scale.disparity(at.x).clamp(scale.range[0], scale.range[1]);
     }
+    let step = (scale.range[1] - scale.range[0]) / 100.0;
+    *focus =
+        (*focus + widgets::arrows(ui, &response) * step).clamp(scale.range[0].min(*focus), scale.range[1].max(*focus));
     if response.hovered() {
         let scroll = ui.input(|input| input.smooth_scroll_delta().y);
         let step = (scale.range[1] - scale.range[0]) / 4000.0;

@@ -18,6 +18,7 @@ use sha2::{Digest, Sha256};
 use super::out;
 use crate::field::Size;
 use crate::io::save::SaveError;
+use crate::markup::escaped;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
@@ -140,23 +141,6 @@ fn filled(template: &str, parts: &[(&str, String)]) -> String {
         rest = after;
     }
     page + rest
-}
-
-/// Text that is text wherever it stands in HTML.
-fn escaped(text: &str) -> String {
-    let mut safe = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => safe.push_str("&amp;"),
-            '<' => safe.push_str("&lt;"),
-            '>' => safe.push_str("&gt;"),
-            '"' => safe.push_str("&quot;"),
-            '\'' => safe.push_str("&#39;"),
-            c if c.is_control() => safe.push(' '),
-            c => safe.push(c),
-        }
-    }
-    safe
 }
 
 fn strip(living: &Living) -> Result<String, String> {

@@ -58,8 +58,12 @@ impl Range {
 
 /// The depth map of a JPEG, if it has one; the main XMP or the extended one says what it means.
 pub(crate) fn read(extras: &Extras) -> Option<Result<EmbeddedDepth, String>> {
-    let main = &extras.xmp;
-    let data = match &extras.extended {
+    find(&extras.xmp, extras.extended.as_ref())
+}
+
+/// The depth map that an XMP tells of.
+pub(crate) fn find(main: &Xmp, extended: Option<&Result<Xmp, String>>) -> Option<Result<EmbeddedDepth, String>> {
+    let data = match extended {
         None => main,
         Some(Ok(extended)) => extended,
         Some(Err(reason)) => return main.has(DEPTH).then(|| Err(reason.clone())),

@@ -6,7 +6,7 @@ use crate::io::formats;
 use crate::io::jpeg_parts::{self, JpegParts};
 use crate::io::raster::{self, Raster};
 use crate::io::xmp::Xmp;
-use crate::io::{PhotoFile, Problem};
+use crate::io::{PhotoFile, Problem, carried};
 
 /// JPEG photos.
 pub(crate) const TYPE: FileType = FileType {
@@ -55,6 +55,7 @@ fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     main.xmp = main.xmp.filter(|xmp| !describes_extras(xmp));
     let mut file = PhotoFile::from_raster(main, TYPE.name)?;
     file.info.notes = notes;
+    file.take_carried(carried::find(&extras.xmp, extras.extended.as_ref()));
     if let Some(depth) = depth {
         file.set_depth(depth.oriented(orientation)?);
     }
@@ -75,5 +76,9 @@ impl<'a> Extras<'a> {
 /// An export keeps the XMP, but not one that points to data which is not exported.
 fn describes_extras(xmp: &[u8]) -> bool {
     let has = |what: &[u8]| xmp.windows(what.len()).any(|window| window == what);
+    // What this program wrote is taken out piece by piece.
+    if carried::is_told_of(xmp) {
+        return false;
+    }
     has(b"HasExtendedXMP") || has(b"/dd/1.0/") || has(b"photos/1.0/depthmap/") || has(b"photos/1.0/container/")
 }

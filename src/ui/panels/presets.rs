@@ -1,0 +1,68 @@
+//! Lenses and exports by name.
+
+use egui::{Context, RichText};
+
+use crate::ui::action::Action;
+use crate::ui::ask::{Ask, Preset};
+use crate::ui::{theme, widgets};
+
+/// Draws the dialog.
+pub fn show(names: &[String], new: &mut String, ctx: &Context) -> Vec<Action> {
+    let colors = theme::palette(ctx);
+    let mut actions = Vec::new();
+    let shown = widgets::modal(ctx, "presets").show(ctx, |ui| {
+        ui.set_width(420.0);
+        ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
+        ui.label(RichText::new("Presets").font(theme::title(16.0)).color(colors.strong));
+        let text = if names.is_empty() {
+            "None yet: lens and export are kept under the name you give"
+        } else {
+            "Lens and export; the focus stays"
+        };
+        ui.label(RichText::new(text).color(colors.weak));
+        egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+            for name in names {
+                actions.extend(row(ui, name));
+            }
+        });
+        ui.horizontal(|ui| {
+            let edit = egui::TextEdit::singleline(new).hint_text("Name of a new one").desired_width(240.0);
+            let is_enter = ui.add(edit).lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            let has_name = !new.trim().is_empty();
+            ui.add_enabled_ui(has_name, |ui| {
+                if (widgets::main_button(ui, "Keep").clicked() || is_enter) && has_name {
+                    actions.push(Action::KeepPreset(new.trim().to_owned()));
+                }
+            });
+            if widgets::button(ui, "Close").clicked() {
+                actions.push(Action::CloseDialog);
+            }
+        });
+    });
+    if shown.should_close() {
+        actions.push(Action::CloseDialog);
+    }
+    actions
+}
+
+fn row(ui: &mut egui::Ui, name: &str) -> Option<Action> {
+    let mut action = None;
+    ui.horizontal(|ui| {
+        ui.set_width(ui.available_width());
+        ui.add(egui::Label::new(name).truncate());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let button = |ui: &mut egui::Ui, verb: &str| {
+                let response = widgets::button(ui, verb);
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{verb} {name}")));
+                response.clicked()
+            };
+            if button(ui, "Remove") {
+                action = Some(Action::Ask(Ask::Presets(Preset::Remove(name.to_owned()))));
+            }
+            if button(ui, "Apply") {
+                action = Some(Action::Ask(Ask::Presets(Preset::Take(name.to_owned()))));
+            }
+        });
+    });
+    action
+}
