@@ -1,5 +1,6 @@
 //! Refocus at the photo's own size, as a lens would: see the modules in the order in which light takes them.
 //!
+//! * `edges`: which side of an edge each place of the map is on, by its colours too.
 //! * [`surfaces`](self): where one surface ends before another, at photo size.
 //! * `behind`: what goes on behind near edges.
 //! * `bounds`: how far light from where can reach.
@@ -14,6 +15,7 @@
 
 mod behind;
 mod bounds;
+mod edges;
 #[cfg(feature = "ui")]
 mod gpu;
 mod grain;

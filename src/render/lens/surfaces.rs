@@ -5,40 +5,18 @@
 //! how much of the pixel is near. So an edge of the picture follows the photo, not the map, and no pixel is given a
 //! depth between the two sides.
 
-use rayon::prelude::*;
-
+use super::edges::{AXIS, Cell, EDGE, FAR, FAR_COLOR, FOREIGN, Grid, Models, NEAR, OWN, SOFT, TELLING};
 use super::light::Light;
-use super::sample::{Axis, bilinear};
-use crate::field::{DisparityMap, Mix, Raster, Size, between, fit_long_side, nearest, ramp, sides};
+use super::sample::Axis;
+use crate::field::{DisparityMap, Mix, Raster, Size, between, fit_long_side, nearest, ramp};
 
 /// Longest side of the grid of edge models.
 const GRID_SIDE: u32 = 1024;
-/// Half the window in which the two sides are looked for, in cells.
-const REACH: i32 = 3;
-/// An edge is where a plane misses the disparities of the window by this much (pixels per pixel: free of scale).
-const NO_EDGE: f32 = 0.012;
-const FULL_EDGE: f32 = 0.035;
 
 /// Part of a pixel beside the near side that must have the near side's colour before it counts as covered by it.
 const FRINGE: [f32; 2] = [0.05, 0.2];
 /// A mixture of both sides' colours lies between them; how far from there, relative and squared, it stops to be one.
 const STRAY: [f32; 2] = [0.1, 0.4];
-
-// Numbers of one cell; disparities are the map's.
-
-/// How sure it is that a colour which is not the far side's is the near side's, 0 … 1.
-const FOREIGN: usize = 0;
-const NEAR: usize = 1;
-const FAR: usize = 2;
-const EDGE: usize = 3;
-/// Disparity averaged over 3×3 cells: how far inside the near side a place is.
-const SOFT: usize = 4;
-/// How well colour tells the sides apart, 0 … 1.
-const TELLING: usize = 5;
-/// Colour of the far side, and the direction from it to the near side's, scaled so that near is at 1. In √light.
-const FAR_COLOR: usize = 6;
-const AXIS: usize = 9;
-const LEN: usize = 12;
 
 /// A pixel is a mixture of its two sides where the near one covers more than the first part of it and less than the second.
 pub(super) const MIXTURE: [f32; 2] = [0.01, 0.99];
@@ -46,9 +24,20 @@ pub(super) const MIXTURE: [f32; 2] = [0.01, 0.99];
 /// The disparity map with the models of its edges.
 pub(super) struct Surfaces {
     map: DisparityMap,
-    cells: Raster<[f32; LEN]>,
-    /// Whether any of a cell's corners is at an edge.
-    busy: Raster<bool>,
+    cells: Models,
+    /// What any of a cell's corners needs.
+    care: Raster<Care>,
+}
+
+/// Whence the pixels of a cell have their disparity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Care {
+    /// From the map.
+    None,
+    /// From the cells: they were given to another side than the map's.
+    Moved,
+    /// From the models of edges.
+    Edge,
 }
 
 /// What a pixel sees.
@@ -62,7 +51,8 @@ pub(super) struct Seen {
     pub(super) cover: f32,
     /// Whether there are two sides, 0 … 1.
     pub(super) edge: f32,
-    /// Mean colour of the far side (linear light), and how well it is told from the near side's.
+    /// Mean colours of the sides (linear light), and how well the far side's is told from the near one's.
+    pub(super) near_rgb: [f32; 3],
     pub(super) far_rgb: [f32; 3],
     pub(super) foreign: f32,
 }
@@ -71,7 +61,7 @@ impl Seen {
     /// One surface alone.
     fn whole(disparity_px: f32) -> Self {
         let [near_px, far_px] = [disparity_px; 2];
-        Self { near_px, far_px, cover: 1.0, edge: 0.0, far_rgb: [0.0; 3], foreign: 0.0 }
+        Self { near_px, far_px, cover: 1.0, edge: 0.0, near_rgb: [0.0; 3], far_rgb: [0.0; 3], foreign: 0.0 }
     }
 
     /// Disparity of the side that covers more of the pixel.
@@ -83,15 +73,10 @@ impl Seen {
 impl Surfaces {
     pub(super) fn new(map: DisparityMap, light: &Light) -> Self {
         let size = fit_long_side(map.size(), GRID_SIDE);
-        let grid = nearest(map.disparity_px(), map.size(), size);
-        let ratio = map.scale_to(size);
-        let small = light.reduced([size[0].min(light.size()[0]), size[1].min(light.size()[1])]);
-        let colors = Colors { light: &small, size };
-        let soft = soft(&grid, size);
-        let maps = [&grid[..], &soft];
-        let cells = Raster::par_from_fn(size, |x, y| model(maps, size, [x as i32, y as i32], ratio, &colors));
-        let busy = busy(&cells);
-        Self { map, cells, busy }
+        let read = nearest(map.disparity_px(), map.size(), size);
+        let cells = Grid::new(&read, size, map.scale_to(size), light).settled().models();
+        let care = care(&cells, &read);
+        Self { map, cells, care }
     }
 
     pub(super) fn map_size(&self) -> [u32; 2] {
@@ -115,10 +100,10 @@ impl Surfaces {
             self.map.disparity_px()[y * width..][columns[0]..=columns[1]].iter().for_each(|px| call(*px));
         }
         let [columns, rows] = parts[1];
-        let width = self.cells.sides()[0];
-        for y in rows[0]..=rows[1] {
-            let cells = &self.cells.pixels()[y * width..][columns[0]..=columns[1]];
-            cells.iter().flat_map(|cell| [cell[NEAR], cell[FAR]]).for_each(&mut call);
+        let width = self.cells.size()[0] as usize;
+        for at in (rows[0]..=rows[1]).flat_map(|y| (columns[0]..=columns[1]).map(move |x| y * width + x)) {
+            call(self.cells.depth().pixels()[at]);
+            self.cells.get(at).into_iter().flat_map(|cell| [cell[NEAR], cell[FAR]]).for_each(&mut call);
         }
     }
 
@@ -165,16 +150,16 @@ impl Reader<'_> {
     #[inline]
     pub(super) fn seen(&self, row: &Row, i: usize, color: &[f32; 3]) -> Seen {
         let s = self.surfaces;
-        let disparity = self.disparity(row, i);
         let grid_x = self.grid_x.get(i);
-        if !s.busy.at(grid_x.0, row.grid_y.0) {
-            return Seen::whole(disparity);
+        let care = s.care.at(grid_x.0, row.grid_y.0);
+        if care == Care::None {
+            return Seen::whole(self.disparity(row, i));
         }
-        let cell = bilinear(&s.cells, grid_x, row.grid_y);
-        self.at_edge(disparity, &cell, color)
+        let cell = s.cells.between(grid_x, row.grid_y);
+        if care == Care::Moved { Seen::whole(cell[OWN]) } else { self.at_edge(cell[OWN], &cell, color) }
     }
 
-    fn at_edge(&self, disparity: f32, cell: &[f32; LEN], color: &[f32; 3]) -> Seen {
+    fn at_edge(&self, disparity: f32, cell: &Cell, color: &[f32; 3]) -> Seen {
         let (near, far, edge) = (cell[NEAR], cell[FAR], cell[EDGE]);
         let apart = near - far;
         if edge <= 0.0 || apart <= 1e-6 {
@@ -183,7 +168,7 @@ impl Reader<'_> {
         let by_map = (disparity - far) / apart;
         let soft = (cell[SOFT] - far) / apart;
         // One pixel of the map is many of the photo: the map's ramp becomes one of two photo pixels.
-        let scale = self.size[0] as f32 / self.surfaces.map.size()[0] as f32;
+        let scale = self.size[0] as f32 / self.surfaces.cells.size()[0] as f32;
         let steep = 0.5 + (by_map - 0.5) * (scale / 2.0).max(1.0);
         let at: f32 = (0..3).map(|c| (color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]) * cell[AXIS + c]).sum();
         let by_color = 0.5 + 1.6 * (at.clamp(-0.5, 1.5) - 0.5);
@@ -191,18 +176,26 @@ impl Reader<'_> {
         let cover = steep.clamp(0.0, 1.0).mix(by_color.clamp(0.0, 1.0), unsure * cell[TELLING]).clamp(0.0, 1.0);
         // Maps end where most of a pixel does. The fringe beyond, hair and what the lens made soft, has near light too.
         let foreign = edge * cell[FOREIGN];
-        let (far_rgb, part) = near_part(cell, color);
+        let ([near_rgb, far_rgb], part) = near_part(cell, color);
         let cover = cover.max(foreign * ramp(FRINGE[0], FRINGE[1], part) * part.min(1.0));
         // Well on one side the map's own value stands; between the sides it would be an invented depth.
         let near = near.mix(disparity, ramp(0.88, 0.99, by_map));
         let far = disparity.mix(far, ramp(0.01, 0.12, by_map));
-        Seen { near_px: disparity.mix(near, edge), far_px: disparity.mix(far, edge), cover, edge, far_rgb, foreign }
+        Seen {
+            near_px: disparity.mix(near, edge),
+            far_px: disparity.mix(far, edge),
+            cover,
+            edge,
+            near_rgb,
+            far_rgb,
+            foreign,
+        }
     }
 }
 
-/// Colour of a cell's far side, and the part of the near side's in a colour; linear light, in which colours mix. A
+/// Colours of a cell's near and far side, and the part of the near side's in a colour; linear light, in which colours mix. A
 /// colour that is no mixture of the two belongs to the far side.
-fn near_part(cell: &[f32; LEN], color: &[f32; 3]) -> ([f32; 3], f32) {
+fn near_part(cell: &Cell, color: &[f32; 3]) -> ([[f32; 3]; 2], f32) {
     let (far, axis) = (&cell[FAR_COLOR..FAR_COLOR + 3], &cell[AXIS..AXIS + 3]);
     let scale = axis.iter().map(|a| a * a).sum::<f32>().max(1e-6);
     let far_rgb: [f32; 3] = std::array::from_fn(|c| far[c] * far[c]);
@@ -212,146 +205,23 @@ fn near_part(cell: &[f32; LEN], color: &[f32; 3]) -> ([f32; 3], f32) {
     let part = dot(&away, &apart) / dot(&apart, &apart).max(1e-9);
     let along2 = (part * part * dot(&apart, &apart)).max(1e-9);
     let beside = (dot(&away, &away) - along2).max(0.0) / along2;
-    (far_rgb, part * (1.0 - ramp(STRAY[0], STRAY[1], beside)))
+    let near_rgb = std::array::from_fn(|c| far_rgb[c] + apart[c]);
+    ([near_rgb, far_rgb], part * (1.0 - ramp(STRAY[0], STRAY[1], beside)))
 }
 
-/// Colours of the photo at the cells of the grid, as √light, in which noise is even.
-struct Colors<'a> {
-    light: &'a Light,
-    size: Size,
-}
-
-impl Colors<'_> {
-    fn at(&self, x: usize, y: usize) -> [f32; 3] {
-        let [width, height] = self.light.size();
-        let px = (x * width as usize + width as usize / 2) / self.size[0] as usize;
-        let py = (y * height as usize + height as usize / 2) / self.size[1] as usize;
-        self.light.at(px.min(width as usize - 1), py.min(height as usize - 1)).map(f32::sqrt)
-    }
-}
-
-/// Means of 3×3 cells.
-fn soft(grid: &[f32], size: Size) -> Vec<f32> {
-    let [width, height] = sides(size);
-    let mean = |i: usize| {
-        let beside = |at: usize, side: usize| [at.saturating_sub(1), at, (at + 1).min(side - 1)];
-        let rows = beside(i / width, height);
-        rows.iter().flat_map(|y| beside(i % width, width).map(|x| grid[y * width + x])).sum::<f32>() / 9.0
-    };
-    (0..grid.len()).into_par_iter().with_min_len(width).map(mean).collect()
-}
-
-/// The model of one cell from the window around it.
-fn model([grid, soft]: [&[f32]; 2], size: Size, [x, y]: [i32; 2], ratio: f32, colors: &Colors) -> [f32; LEN] {
-    let [width, height] = size.map(|s| s as i32);
-    let at = |dx: i32, dy: i32| ((y + dy).clamp(0, height - 1) * width + (x + dx).clamp(0, width - 1)) as usize;
-    let disparity = grid[at(0, 0)];
-    let mut cell = [0.0; LEN];
-    [cell[NEAR], cell[FAR]] = [disparity; 2];
-    let window = || (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
-    let [low, high] = window().fold([f32::MAX, f32::MIN], |[low, high], (dx, dy)| {
-        let d = grid[at(dx, dy)];
-        [low.min(d), high.max(d)]
-    });
-    cell[SOFT] = soft[at(0, 0)];
-    if (high - low) * ratio <= NO_EDGE {
-        return cell;
-    }
-    cell[EDGE] = ramp(NO_EDGE, FULL_EDGE, ratio * off_plane(window().map(|(dx, dy)| (dx, dy, grid[at(dx, dy)]))));
-    if cell[EDGE] <= 0.0 {
-        return cell;
-    }
-    let mut sides = [Side::default(); 2];
-    for (dx, dy) in window() {
-        let i = at(dx, dy);
-        let [height, inside] = [grid[i], soft[i]].map(|d| (d - low) / (high - low));
-        let color = colors.at(i % width as usize, i / width as usize);
-        sides[0].add(grid[i], [height, inside], color);
-        sides[1].add(grid[i], [1.0 - height, 1.0 - inside], color);
-    }
-    cell[NEAR] = sides[0].disparity();
-    cell[FAR] = sides[1].disparity();
-    let (near, far) = (sides[0].color(), sides[1].color());
-    let apart: [f32; 3] = std::array::from_fn(|c| near[c] - far[c]);
-    let apart2: f32 = apart.iter().map(|a| a * a).sum();
-    cell[FOREIGN] = apart2 / (apart2 + 20.0 * sides[1].spread() + 0.003);
-    cell[TELLING] = apart2 / (apart2 + 6.0 * (sides[0].spread() + sides[1].spread()) + 0.003);
-    for c in 0..3 {
-        cell[FAR_COLOR + c] = far[c];
-        cell[AXIS + c] = apart[c] / apart2.max(1e-6);
-    }
-    cell
-}
-
-/// How far the window's values are from the plane that fits them best (root mean square).
-fn off_plane(window: impl Iterator<Item = (i32, i32, f32)>) -> f32 {
-    let (mut n, mut sum, mut sum2, mut sx, mut sy, mut xx) = (0.0f32, 0.0f32, 0.0f32, 0.0f32, 0.0f32, 0.0f32);
-    let mut first = None;
-    for (dx, dy, d) in window {
-        let d = d - *first.get_or_insert(d);
-        n += 1.0;
-        sum += d;
-        sum2 += d * d;
-        sx += d * dx as f32;
-        sy += d * dy as f32;
-        xx += (dx * dx) as f32;
-    }
-    ((sum2 - sum * sum / n - sx * sx / xx - sy * sy / xx).max(0.0) / n).sqrt()
-}
-
-/// One side of an edge, gathered over a window.
-#[derive(Clone, Copy, Default)]
-struct Side {
-    disparity: [f32; 2],
-    weight: f32,
-    color: [f32; 3],
-    color2: [f32; 3],
-}
-
-impl Side {
-    /// `height` is 1 at the window's value that is farthest on this side, 0 at the other side's; `inside` the same of
-    /// the mean around the cell. Cells beside the edge hardly count for colour, as theirs is of both sides.
-    fn add(&mut self, disparity: f32, [height, inside]: [f32; 2], color: [f32; 3]) {
-        let weight = height.powi(4);
-        self.disparity[0] += disparity * weight;
-        self.disparity[1] += weight;
-        let weight = ramp(0.6, 0.9, height) * (0.02 + ramp(0.6, 0.9, inside));
-        self.weight += weight;
-        for (c, value) in color.into_iter().enumerate() {
-            self.color[c] += value * weight;
-            self.color2[c] += value * value * weight;
+/// What each cell needs; `read` is what the map says of them.
+fn care(cells: &Models, read: &[f32]) -> Raster<Care> {
+    let [width, height] = cells.depth().sides();
+    let own = |x: usize, y: usize| {
+        let at = y.min(height - 1) * width + x.min(width - 1);
+        if cells.get(at).is_some() {
+            Care::Edge
+        } else if cells.depth().pixels()[at] != read[at] {
+            Care::Moved
+        } else {
+            Care::None
         }
-    }
-
-    fn disparity(&self) -> f32 {
-        self.disparity[0] / self.disparity[1]
-    }
-
-    fn color(&self) -> [f32; 3] {
-        self.color.map(|c| c / self.weight.max(1e-6))
-    }
-
-    fn spread(&self) -> f32 {
-        let weight = self.weight.max(1e-6);
-        (0..3).map(|c| (self.color2[c] / weight - (self.color[c] / weight).powi(2)).max(0.0)).sum()
-    }
-}
-
-/// Marks cells one of whose corners is at an edge.
-fn busy(cells: &Raster<[f32; LEN]>) -> Raster<bool> {
-    let [width, height] = cells.sides();
-    let edge = |x: usize, y: usize| cells.at(x.min(width - 1), y.min(height - 1))[EDGE] > 0.0;
-    Raster::from_fn(cells.size(), |x, y| edge(x, y) || edge(x + 1, y) || edge(x, y + 1) || edge(x + 1, y + 1))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_plane_of_any_slant_is_no_edge() {
-        let window = |f: fn(i32, i32) -> f32| (-3..=3).flat_map(move |y| (-3..=3).map(move |x| (x, y, f(x, y))));
-        assert!(off_plane(window(|x, y| 0.3 + 0.05 * x as f32 - 0.02 * y as f32)) < 1e-3);
-        assert!(off_plane(window(|x, _| if x < 0 { 0.0 } else { 0.2 })) > FULL_EDGE);
-    }
+    };
+    let of = |x: usize, y: usize| own(x, y).max(own(x + 1, y)).max(own(x, y + 1)).max(own(x + 1, y + 1));
+    Raster::par_from_fn(cells.size(), of)
 }

@@ -203,7 +203,10 @@ fn pieces(optics: &Optics, [x, y]: [i32; 2], color: [f32; 3], seen: Seen, hidden
     let cover = seen.cover.max(known * least_cover(color, back));
     // The pixel is a mixture: what is not the far side's is the near side's.
     let own: [f32; 3] = std::array::from_fn(|c| {
-        let unmixed = (color[c] - (1.0 - cover) * back[c]).clamp(0.0, cover.min(color[c]));
+        // Not far beyond what the near side is on the whole: else a little too much far side makes black specks of it.
+        let [low, high] = [color[c].min(seen.near_rgb[c] / NEAR_SPREAD), color[c].max(seen.near_rgb[c] * NEAR_SPREAD)];
+        let unmixed = ((color[c] - (1.0 - cover) * back[c]) / cover).clamp(low, high);
+        let unmixed = (cover * unmixed).min(color[c]);
         cover * color[c] + (unmixed - cover * color[c]) * known
     });
     let rest: [f32; 3] = std::array::from_fn(|c| color[c] - own[c] + cover * known * back[c]);
@@ -220,6 +223,8 @@ fn least_cover(color: [f32; 3], back: [f32; 3]) -> f32 {
 
 /// Light below which colours are not compared.
 const DARK: f32 = 0.004;
+/// The near side's colour at a pixel is at most so many times brighter or darker than it is on the whole, or the pixel.
+const NEAR_SPREAD: f32 = 4.0;
 /// The far side's colour at a pixel may be this many times darker than what goes on behind it on average.
 const FAR_SPREAD: f32 = 1.5;
 
