@@ -65,6 +65,13 @@ impl Behind {
         }
     }
 
+    /// Whether nothing is known to be behind any of the cells in columns and rows, from the first to the last.
+    pub(super) fn is_nothing(&self, [columns, rows]: [[usize; 2]; 2]) -> bool {
+        let width = self.cells.sides()[0];
+        let row = |y: usize| &self.cells.pixels()[y * width..][columns[0]..=columns[1]];
+        self.is_empty || (rows[0]..=rows[1]).all(|y| row(y).iter().all(is_nothing))
+    }
+
     /// Reads rows of a picture of `size` from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
         Reader { behind: self, x: Axis::new(x0, count, size[0], self.cells.size()[0]), size }
@@ -87,8 +94,7 @@ impl Reader<'_> {
     #[inline]
     pub(super) fn hidden(&self, row: (usize, usize, f32), i: usize) -> Option<Hidden> {
         let (x0, x1, tx) = self.x.get(i);
-        let nearest = self.behind.cells.at(x0, row.0);
-        if self.behind.is_empty || (nearest[SHARE] <= 0.0 && nearest[DISTANCE] > 4.0) {
+        if self.behind.is_empty || is_nothing(&self.behind.cells.at(x0, row.0)) {
             return None;
         }
         let cell = bilinear(&self.behind.cells, (x0, x1, tx), row);
@@ -100,6 +106,12 @@ impl Reader<'_> {
             distance_px: (cell[DISTANCE] - 1.0) * self.size[0] as f32 / self.behind.cells.size()[0] as f32,
         })
     }
+}
+
+/// Whether nothing is known to be behind a cell, and it is not beside one of which something is.
+#[inline]
+fn is_nothing(cell: &background::Hidden) -> bool {
+    cell[SHARE] <= 0.0 && cell[DISTANCE] > 4.0
 }
 
 /// The visible surfaces at the light's size.

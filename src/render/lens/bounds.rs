@@ -11,6 +11,8 @@ use crate::field::{Raster, Size};
 /// Least and greatest disparity of anything that is seen in a block, or behind it.
 pub(super) struct Bounds {
     blocks: Raster<[f32; 2]>,
+    /// Blocks of one surface as the map has it, with nothing behind.
+    plain: Raster<bool>,
 }
 
 impl Bounds {
@@ -34,14 +36,28 @@ impl Bounds {
             behind.each_disparity([of_behind[0][x], of_behind[1][y]], &mut hold);
             bounds
         };
-        Self { blocks: Raster::par_from_fn(blocks, of) }
+        let is_plain = |x: usize, y: usize| {
+            surfaces.are_plain([of_cells[0][x], of_cells[1][y]])
+                && behind.is_nothing([of_behind[0][x], of_behind[1][y]])
+        };
+        Self { blocks: Raster::par_from_fn(blocks, of), plain: Raster::par_from_fn(blocks, is_plain) }
     }
 
-    /// The greatest blur diameter of anything in a block, whose upper left pixel is at `place`; beyond the picture its
-    /// edge goes on.
-    pub(super) fn widest_px(&self, optics: &Optics, place: [i32; 2]) -> f32 {
+    /// The number of the block whose upper left pixel is at `place`; beyond the picture its edge goes on.
+    fn at(&self, place: [i32; 2]) -> [usize; 2] {
         let sides = self.blocks.sides();
-        let block = [0, 1].map(|axis| (place[axis].div_euclid(BLOCK as i32).max(0) as usize).min(sides[axis] - 1));
+        [0, 1].map(|axis| (place[axis].div_euclid(BLOCK as i32).max(0) as usize).min(sides[axis] - 1))
+    }
+
+    /// Whether a block is one surface as the map has it, with nothing behind.
+    pub(super) fn is_plain(&self, place: [i32; 2]) -> bool {
+        let [x, y] = self.at(place);
+        self.plain.at(x, y)
+    }
+
+    /// The greatest blur diameter of anything in the block whose upper left pixel is at `place`.
+    pub(super) fn widest_px(&self, optics: &Optics, place: [i32; 2]) -> f32 {
+        let block = self.at(place);
         let last = BLOCK as i32 - 1;
         let corners = [[0, 0], [last, 0], [0, last], [last, last]].map(|by| [0, 1].map(|axis| place[axis] + by[axis]));
         let [low, high] = self.blocks.at(block[0], block[1]);

@@ -276,7 +276,7 @@ impl Prepared {
 
 /// Side of a tile: with a wide margin around it, small tiles would be mostly margin.
 fn tile_side(reach: i32) -> u32 {
-    (4 * reach as u32).next_multiple_of(64).clamp(256, 1024)
+    (6 * reach as u32).next_multiple_of(64).clamp(256, 1024)
 }
 
 /// Tiles beside each other as one band.

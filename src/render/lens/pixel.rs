@@ -30,6 +30,12 @@ impl Reader<'_> {
         Row { surfaces: self.surfaces.at_row(y), behind: self.behind.at_row(y) }
     }
 
+    /// Disparity at the `i`-th pixel of the row, as the map has it.
+    #[inline]
+    pub(super) fn disparity(&self, row: &Row, i: usize) -> f32 {
+        self.surfaces.disparity(&row.surfaces, i)
+    }
+
     /// What the `i`-th pixel of the row sees, with its colour.
     #[inline]
     pub(super) fn at(&self, row: &Row, i: usize, color: &[f32; 3]) -> (Seen, Option<Hidden>) {

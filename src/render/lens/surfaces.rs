@@ -107,6 +107,13 @@ impl Surfaces {
         }
     }
 
+    /// Whether all cells in columns and rows, from the first to the last, are as the map has them.
+    pub(super) fn are_plain(&self, [columns, rows]: [[usize; 2]; 2]) -> bool {
+        let width = self.care.sides()[0];
+        let row = |y: usize| &self.care.pixels()[y * width..][columns[0]..=columns[1]];
+        (rows[0]..=rows[1]).all(|y| row(y).iter().all(|care| *care == Care::None))
+    }
+
     /// Reads rows of pixels of a picture of `size`, from column `x0` on.
     pub(super) fn reader(&self, x0: i32, count: usize, size: Size) -> Reader<'_> {
         let map_x = Axis::new(x0, count, size[0], self.map.size()[0]);

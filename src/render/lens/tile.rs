@@ -118,6 +118,8 @@ impl Bench {
                 let colors = Colors { px: &self.colors[block * BLOCK - left..], wide };
                 if widest < STILL_PX {
                     colors.each(|[x, y], color| self.slices.stay([place[0] + x as i32, place[1] + y as i32], color));
+                } else if picture.bounds.is_plain(place) {
+                    send_plain(&mut self.slices, optics, &reader, &rows, place, block * BLOCK, colors);
                 } else {
                     send(&mut self.slices, optics, &reader, &rows, place, block * BLOCK, colors);
                 }
@@ -142,6 +144,25 @@ impl Colors<'_> {
             row.iter().enumerate().for_each(|(x, color)| call([x, y], *color));
         }
     }
+}
+
+/// Sends the light of a block of one surface, which begins at `place` and at column `left` of the reader.
+fn send_plain(
+    slices: &mut Slices,
+    optics: &Optics,
+    reader: &Reader,
+    rows: &[Row; BLOCK],
+    place: [i32; 2],
+    left: usize,
+    colors: Colors,
+) {
+    let mut pieces = [Piece::default(); BLOCK * BLOCK];
+    colors.each(|[x, y], color| {
+        let disparity_px = reader.disparity(&rows[y], left + x);
+        let blur = optics.blur(disparity_px, place[0] + x as i32, place[1] + y as i32);
+        pieces[y * BLOCK + x] = Piece::new(recovered(color, optics.lens.highlights, blur), 1.0, blur);
+    });
+    slices.send_block(place, &mut pieces);
 }
 
 /// Sends the light of a block, which begins at `place` and at column `left` of the reader.

@@ -34,15 +34,16 @@ const MIDDLE: i32 = 28;
 const SHARP_PX: f32 = 0.3;
 const DARK: f32 = 0.004;
 const FAR_SPREAD: f32 = 1.5;
+const NEAR_SPREAD: f32 = 4.0;
 const ROW_LANES: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> params: Params;
 // What each gathered pixel sees: colour and near disparity; far disparity, coverage, edge, share of what is behind;
-// colour and disparity of that; its distance from the edge.
+// colour and disparity of that; colour of the near side on the whole, and the distance from the edge.
 @group(0) @binding(1) var<storage, read> colors: array<vec4f>;
 @group(0) @binding(2) var<storage, read> sides: array<vec4f>;
 @group(0) @binding(3) var<storage, read> hidden: array<vec4f>;
-@group(0) @binding(4) var<storage, read> distances: array<f32>;
+@group(0) @binding(4) var<storage, read> nears: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lights: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> blurs: array<f32>;
 
@@ -117,7 +118,7 @@ fn pieces(@builtin(global_invocation_id) id: vec3u) {
     }
     if !mixed {
         let reach = max(abs(near), abs(far)) / 2.0 + 1.5;
-        let part = share * apart * (1.0 - ramp(reach, 1.5 * reach + 4.0, distances[i]));
+        let part = share * apart * (1.0 - ramp(reach, 1.5 * reach + 4.0, nears[i].w));
         let behind = vec4f(recovered(hidden[i].rgb, far) * part, part);
         store(i, vec4f(recovered(color, near), 1.0), near, behind, far);
         return;
@@ -126,7 +127,9 @@ fn pieces(@builtin(global_invocation_id) id: vec3u) {
     let back = select(vec3f(0.0), hidden[i].rgb, known_behind);
     let part = (color + DARK) / (back + DARK);
     cover = max(cover, known * max(1.0 - FAR_SPREAD * min(part.r, min(part.g, part.b)), 0.0));
-    let unmixed = clamp(color - (1.0 - cover) * back, vec3f(0.0), min(vec3f(cover), color));
+    let low = min(color, nears[i].rgb / NEAR_SPREAD);
+    let high = max(color, nears[i].rgb * NEAR_SPREAD);
+    let unmixed = min(cover * clamp((color - (1.0 - cover) * back) / cover, low, high), color);
     let own = cover * color + (unmixed - cover * color) * known;
     let rest = color - own + cover * known * back;
     store(i, vec4f(own, cover), near, vec4f(rest, 1.0 - cover + cover * known), far);

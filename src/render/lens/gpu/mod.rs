@@ -136,13 +136,7 @@ impl LensGpu {
             let values: Vec<[f32; 4]> = gathered.iter().map(part).collect();
             self.storage(bytemuck::cast_slice(&values))
         };
-        let distances: Vec<f32> = gathered.iter().map(|g| g.distance).collect();
-        let buffers = [
-            column(|g| g.color),
-            column(|g| g.sides),
-            column(|g| g.hidden),
-            self.storage(bytemuck::cast_slice(&distances)),
-        ];
+        let buffers = [column(|g| g.color), column(|g| g.sides), column(|g| g.hidden), column(|g| g.near)];
         Kept { prepared: Arc::clone(prepared), region, margin, buffers }
     }
 
@@ -164,10 +158,10 @@ impl LensGpu {
         let steps = self.empty(16 * u64::from(width + 2) * u64::from(height));
         let still = self.empty(16 * pixels);
         let front = self.storage(bytemuck::cast_slice(&vec![[0.0f32, 0.0, 0.0, 1.0]; pixels as usize]));
-        let [colors, sides, hidden, distances] = &kept.buffers;
+        let [colors, sides, hidden, nears] = &kept.buffers;
         let bind = |pipeline: &wgpu::ComputePipeline, buffers: &[(u32, &wgpu::Buffer)]| self.bind(pipeline, buffers);
         let own = [(0, &params), (5, &lights), (6, &blurs)];
-        let pieces = bind(&self.pieces, &[&own[..], &[(1, colors), (2, sides), (3, hidden), (4, distances)]].concat());
+        let pieces = bind(&self.pieces, &[&own[..], &[(1, colors), (2, sides), (3, hidden), (4, nears)]].concat());
         let spread = bind(&self.spread, &[&own[..], &[(7, &kernels), (8, &spans), (9, &steps), (10, &still)]].concat());
         let cover = bind(&self.cover, &[(0, &params), (9, &steps), (10, &still), (11, &front)]);
         let slices = self.slices(kept.slices(optics));
@@ -325,7 +319,7 @@ struct Gathered {
     color: [f32; 4],
     sides: [f32; 4],
     hidden: [f32; 4],
-    distance: f32,
+    near: [f32; 4],
 }
 
 fn gathered(prepared: &Prepared, region: Region, margin: u32) -> Vec<Gathered> {
@@ -340,11 +334,12 @@ fn gathered(prepared: &Prepared, region: Region, margin: u32) -> Vec<Gathered> {
         let pixel = |(i, [r, g, b]): (usize, [f32; 3])| {
             let (seen, hidden) = reader.at(&row, i, &[r, g, b]);
             let [hr, hg, hb] = hidden.map_or([0.0; 3], |h| h.rgb);
+            let [nr, ng, nb] = seen.near_rgb;
             Gathered {
                 color: [r, g, b, seen.near_px],
                 sides: [seen.far_px, seen.cover, seen.edge, hidden.map_or(0.0, |h| h.share)],
                 hidden: [hr, hg, hb, hidden.map_or(0.0, |h| h.disparity_px)],
-                distance: hidden.map_or(0.0, |h| h.distance_px),
+                near: [nr, ng, nb, hidden.map_or(0.0, |h| h.distance_px)],
             }
         };
         colors.into_iter().enumerate().map(pixel).collect::<Vec<_>>()
