@@ -451,7 +451,7 @@ pub struct Export {
     /// What moves in animation, video and frames: the recipe's timeline, else focus-pull
     #[arg(long, value_name = "MOTION", value_parser = values::movements())]
     pub motion: Option<Movement>,
-    /// Distance of the eyes of anaglyph and side-by-side, in view steps
+    /// Distance of the eyes of anaglyph, side-by-side and mpo, in view steps
     #[arg(long, value_name = "STEPS", default_value_t = Settings::EYES_APART, value_parser = values::eyes_apart)]
     pub eyes_apart: f32,
     #[command(flatten)]

@@ -11,6 +11,7 @@ pub mod living;
 pub mod lytro;
 mod matching;
 mod middlebury;
+pub mod mpo;
 pub(in crate::io) mod out;
 pub mod pfm;
 pub(crate) mod phone;
@@ -109,7 +110,7 @@ pub struct Entry {
 
 /// Who reads and writes what: [`open`](fn@super::open) walks it from the top, so what is told by more stands higher. The
 /// README's table has the same lines; a test compares them.
-pub static TABLE: [Entry; 22] = [
+pub static TABLE: [Entry; 23] = [
     made("refocus", "photo: JPEG, PNG, TIFF, WebP", "save", "jpg").read(Reader::Files(&[
         jpeg::TYPE,
         still::PNG,
@@ -155,6 +156,7 @@ pub static TABLE: [Entry; 22] = [
     field("gaussians", "Gaussian splats (PLY)", Keeps::Made, Some("ply"), gaussians::write)
         .read(Reader::Files(&[gaussians::TYPE])),
     made("side-by-side", "side-by-side stereo", "stereo", "png"),
+    made("mpo", "stereo pair (MPO)", "mpo", "mpo"),
     made("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),
     made("html", "living picture (HTML)", "living", "html"),
     made("ply", "PLY point cloud", "ply", "ply"),

@@ -16,6 +16,7 @@ pub enum Kind {
     Frames,
     Living,
     SideBySide,
+    Mpo,
     Anaglyph,
     Views,
     Eslf,
@@ -66,7 +67,7 @@ pub struct Spec {
 }
 
 /// All kinds, in the order of the dialog.
-pub const KINDS: [Spec; 18] = [
+pub const KINDS: [Spec; 19] = [
     made_of_map(
         Kind::Picture,
         "picture",
@@ -122,6 +123,14 @@ pub const KINDS: [Spec; 18] = [
         "Both eyes beside each other, for 3-D screens and glasses",
         Group::Pictures,
         "{name}_3D_SBS.png",
+    ),
+    made_of_views(
+        Kind::Mpo,
+        "mpo",
+        "Stereo pair, MPO",
+        "Both eyes as two JPEGs in one file, for 3-D screens and cameras",
+        Group::Pictures,
+        "{name}.mpo",
     ),
     made_of_views(
         Kind::Anaglyph,

@@ -7,7 +7,7 @@ use super::{Existing, Kind, Settings, living};
 use crate::field::{DisparityMap, Pixels};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::depth_out::Seen;
-use crate::io::formats::{self, FieldToWrite, Writer, depth_out, ply, quilt, stereo};
+use crate::io::formats::{self, FieldToWrite, Writer, depth_out, mpo, ply, quilt, stereo};
 use crate::io::save::{self, AnimationOptions, PictureOptions, SaveError};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
@@ -163,6 +163,7 @@ fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Res
             let [left, right] = stereo::eyes(settings.eyes_apart).map(view);
             match kind {
                 Kind::Anaglyph => stereo::write_anaglyph(target, &left, &right)?,
+                Kind::Mpo => mpo::write(target, &left, &right)?,
                 _ => stereo::write_side_by_side(target, &left, &right)?,
             }
         }

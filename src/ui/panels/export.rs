@@ -118,7 +118,7 @@ fn rows(ui: &mut Ui, export: &mut Export) {
         }
         Kind::Animation => animation_rows(ui, settings),
         Kind::Video | Kind::Frames => film_rows(ui, settings),
-        Kind::SideBySide | Kind::Anaglyph => {
+        Kind::SideBySide | Kind::Mpo | Kind::Anaglyph => {
             widgets::labelled(ui, "Eyes apart", |ui| {
                 let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
                 ui.add(drag.max_decimals(1).suffix(" views"));
