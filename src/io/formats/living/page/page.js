@@ -14,7 +14,7 @@
   const start = { fNumber: clamp(number("f", scene.fNumber), 1, 28), focus: clamp(number("focus", scene.focus), far, near), eye: [0, 0] };
   start.eye = ["x", "y"].map((name, a) => clamp(number(name, scene.eye[a]), -scene.reach, scene.reach));
   const copy = (lens) => ({ ...lens, eye: [...lens.eye] });
-  let wanted = copy(start), lens = copy(start), render = null, depths = null, asking = 0, rested = 0, part = 0.5, last = 0;
+  let wanted = copy(start), lens = copy(start), render = null, depths = null, asking = 0, rested = 0, part = 0.3, last = 0;
 
   // f/28 … f/1 evenly in stops.
   const stopAt = (share) => 28 ** (1 - share / 100);
@@ -68,7 +68,8 @@
     lens.focus = towards(lens.focus, wanted.focus);
     lens.fNumber = wanted.fNumber;
     lens.eye = [...wanted.eye];
-    if (last && now - last < 500) part = clamp(part * (now - last > 55 ? 0.85 : now - last < 25 ? 1.1 : 1), 0.12, 1);
+    // Time goes with the pixels; a frame is to take 45 ms. However slow the first ones are, a few more are as they should be.
+    if (last) part = clamp(part * clamp(Math.sqrt(45 / Math.max(now - last, 1)), 0.4, 1.15), 0.1, 1);
     const still = bare || (lens.focus === wanted.focus && now - rested > 200);
     // A device that is slow in moving would be stopped by the whole picture.
     render(lens, still ? (bare ? 1 : Math.min(1, 2.5 * part)) : part, still ? 1 : 2, still ? 10 : 4);
