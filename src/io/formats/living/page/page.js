@@ -14,7 +14,9 @@
   const start = { fNumber: clamp(number("f", scene.fNumber), 1, 28), focus: clamp(number("focus", scene.focus), far, near), eye: [0, 0] };
   start.eye = ["x", "y"].map((name, a) => clamp(number(name, scene.eye[a]), -scene.reach, scene.reach));
   const copy = (lens) => ({ ...lens, eye: [...lens.eye] });
-  let wanted = copy(start), lens = copy(start), render = null, depths = null, asking = 0, rested = 0, part = 0.3, last = 0;
+  let wanted = copy(start), lens = copy(start), render = null, depths = null, asking = 0, rested = 0, part = 0.3, last = 0, whole = [1, 1];
+  const sides = (axis) => (axis ? canvas.height : canvas.width);
+  const sized = (axis, side) => { if (axis) canvas.height = side; else canvas.width = side; };
 
   // f/28 … f/1 evenly in stops.
   const stopAt = (share) => 28 ** (1 - share / 100);
@@ -72,7 +74,10 @@
     if (last) part = clamp(part * clamp(Math.sqrt(45 / Math.max(now - last, 1)), 0.4, 1.15), 0.1, 1);
     const still = bare || (lens.focus === wanted.focus && now - rested > 200);
     // A device that is slow in moving would be stopped by the whole picture.
-    render(lens, still ? (bare ? 1 : Math.min(1, 2.5 * part)) : part, still ? 1 : 2, still ? 10 : 4);
+    // The canvas itself is as coarse as the draft, in few sizes, so that its memory stays.
+    const share = still ? (bare ? 1 : 2.5 * part) : part, step = bare ? 1 : Math.min(1, 1.25 ** Math.round(Math.log(share) / Math.log(1.25)));
+    whole.map((side) => Math.max(1, Math.round(side * step))).forEach((side, a) => { if (sides(a) !== side) sized(a, side); });
+    render(lens, 1, still ? 1 : 2, still ? 10 : 4);
     last = still ? 0 : now;
     if (!still) asking = requestAnimationFrame(frame);
   };
@@ -84,7 +89,7 @@
     const room = bare ? [w / dots, h / dots] : [stage.clientWidth, stage.clientHeight];
     const scale = Math.min(room[0] / w, room[1] / h);
     [canvas.style.width, canvas.style.height] = [w * scale + "px", h * scale + "px"];
-    [canvas.width, canvas.height] = [w, h].map((side) => Math.max(1, Math.min(side, Math.round(side * scale * dots))));
+    whole = [w, h].map((side) => Math.max(1, Math.min(side, Math.round(side * scale * dots))));
     moved();
   };
   const place = (event) => {
