@@ -82,7 +82,7 @@ pub const MOUSE: [(&str, &str); 9] = [
     ("Drag the picture", "Look round"),
     ("Click the picture", "Focus there"),
     ("Shift-click", "Keep this sharp, too"),
-    ("Alt-click", "Turn around this while looking round"),
+    ("Ctrl-click", "Turn around this while looking round"),
     ("Wheel", "Zoom at the pointer"),
     ("Middle drag, Space + drag", "Move the picture"),
     ("Drag in an epipolar image", "Set a thing's depth"),

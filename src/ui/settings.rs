@@ -54,7 +54,8 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             theme: egui::ThemePreference::Dark,
-            colormap: Colormap::default(),
+            // Near and far are told apart without red and green.
+            colormap: Colormap::Viridis,
             long_side: Making::LONG_SIDE,
             occlusion: true,
             source: DepthFrom::default(),

@@ -105,7 +105,7 @@ fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect
         && let Some(at) = response.interact_pointer_pos()
     {
         let keys = ui.input(|input| input.modifiers);
-        if keys.alt {
+        if keys.command {
             turn_around(open, edit, look, at, rect);
         } else if !keys.shift {
             focus_at(open, edit, look, at, rect);

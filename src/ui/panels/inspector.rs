@@ -316,7 +316,7 @@ fn coordinates(eye: &mut Eye, ui: &mut Ui) {
     widgets::number(ui, &mut at.0.dv, &spec("v", [lo.dv, hi.dv]));
     let (pivot, width) = &mut eye.pivot;
     let mut px = **pivot * *width;
-    let hint = "The disparity of what stays where it is while you look round; Alt-click sets it";
+    let hint = "The disparity of what stays where it is while you look round; Ctrl-click sets it";
     if widgets::number(ui, &mut px, &Number { decimals: 2, speed: 0.01, hint, ..spec("Pivot", [-32.0, 32.0]) }) {
         **pivot = px / *width;
     }

@@ -1,6 +1,8 @@
 //! The timeline: its keys along a line, the playhead, and how the film goes.
 
-use egui::{Align, Layout, Rect, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::scroll_area::ScrollBarVisibility;
+use egui::{Align, Layout, PopupCloseBehavior, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use crate::scene::timeline::{Ease, Preset, Run, SECONDS, Timeline};
 use crate::ui::action::Action;
@@ -33,13 +35,18 @@ pub fn show(mut shown: Shown, ui: &mut Ui) -> Vec<Action> {
     let rect = ui.max_rect().shrink2(vec2(14.0, 8.0));
     let row = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + 26.0));
     let mut actions = Vec::new();
-    ui.scope_builder(UiBuilder::new().max_rect(row).layout(Layout::left_to_right(Align::Center)), |ui| {
-        ui.spacing_mut().item_spacing.x = 2.0 * theme::GRID;
-        verbs(&mut shown, ui, &mut actions);
-        if let Some(timeline) = shown.timeline {
-            ui.add_space(2.0 * theme::GRID);
-            manner(timeline, ui);
-        }
+    widgets::inside(ui, row, |ui| {
+        // Where large text leaves no room for all of it.
+        egui::ScrollArea::horizontal().scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden).show(ui, |ui| {
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.spacing_mut().item_spacing.x = 2.0 * theme::GRID;
+                verbs(&mut shown, ui, &mut actions);
+                if let Some(timeline) = shown.timeline {
+                    ui.add_space(2.0 * theme::GRID);
+                    manner(timeline, ui);
+                }
+            });
+        });
     });
     let track = Rect::from_min_max(pos2(rect.left(), row.bottom() + 8.0), rect.max);
     actions.extend(line(&mut shown, ui, track));
@@ -71,9 +78,14 @@ fn verbs(shown: &mut Shown, ui: &mut Ui, actions: &mut Vec<Action>) {
         (&mut holds.eye, "Eye"),
         (&mut holds.strength, "Strength"),
     ];
-    for (value, name) in values {
-        ui.checkbox(value, name).on_hover_text("What a new key holds");
-    }
+    // Several of them are turned at one opening of the menu.
+    let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (response, _) = MenuButton::new("Holds").config(stays).ui(ui, |ui| {
+        for (value, name) in values {
+            ui.checkbox(value, name);
+        }
+    });
+    response.on_hover_text("What a new key holds");
     ui.menu_button("Presets", |ui| {
         for (preset, name, hint) in PRESETS {
             if ui.button(name).on_hover_text(hint).clicked() {
