@@ -37,16 +37,19 @@ pub fn show(mut shown: Shown, ui: &mut Ui) -> Vec<Action> {
     let mut actions = Vec::new();
     widgets::inside(ui, row, |ui| {
         // Where large text leaves no room for all of it.
-        egui::ScrollArea::horizontal().scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden).show(ui, |ui| {
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                ui.spacing_mut().item_spacing.x = 2.0 * theme::GRID;
-                verbs(&mut shown, ui, &mut actions);
-                if let Some(timeline) = shown.timeline {
-                    ui.add_space(2.0 * theme::GRID);
-                    manner(timeline, ui);
-                }
-            });
-        });
+        egui::ScrollArea::horizontal().id_salt("film").scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden).show(
+            ui,
+            |ui| {
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.spacing_mut().item_spacing.x = 2.0 * theme::GRID;
+                    verbs(&mut shown, ui, &mut actions);
+                    if let Some(timeline) = shown.timeline {
+                        ui.add_space(2.0 * theme::GRID);
+                        manner(timeline, ui);
+                    }
+                });
+            },
+        );
     });
     let track = Rect::from_min_max(pos2(rect.left(), row.bottom() + 8.0), rect.max);
     actions.extend(line(&mut shown, ui, track));
