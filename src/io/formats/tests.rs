@@ -62,6 +62,7 @@ fn write(id: &str, dir: &Path, source: &FieldToWrite, job: &Job) -> PathBuf {
         "gdepth" => depth_out::write_gdepth(&path, depth_out::Seen::View(reference), &map, 90),
         "side-by-side" => stereo::write_side_by_side(&path, &left, &right),
         "anaglyph" => stereo::write_anaglyph(&path, &left, &right),
+        "mpo" => mpo::write(&path, &left, &right),
         "ply" => ply::write(&path, source),
         "html" => living::write(&path, &living::tests::living("rose")),
         other => panic!("the table has {other}, and no test writes it"),
