@@ -6,7 +6,10 @@ use std::sync::Arc;
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable as _;
 use plenoscope::field::{FNumber, Strength};
-use plenoscope::scene::{Edit, Focus, Recipe};
+use plenoscope::job::{Cancel, Job};
+use plenoscope::scene::export::{self, Settings};
+use plenoscope::scene::recipe::PictureSettings;
+use plenoscope::scene::{Edit, Embed, Focus, Maker, Making, Need, Recipe, Subject};
 
 use crate::common::{Window, button, click, has_device, opened, sample_file, shift_click, steps, wait, window};
 
@@ -47,6 +50,34 @@ fn an_edit_is_undone_kept_beside_the_photo_and_found_again() {
 
     let harness = with_photo(&photo);
     assert_eq!(*harness.state().edit(), focused);
+}
+
+#[test]
+fn a_picture_leads_back_to_its_photo_with_its_edit() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let photo = sample_file(folder.path(), "sample.png");
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    let subject = Arc::new(Subject::open(&photo, &job).expect("opened"));
+    let small = Making { long_side: 120, ..Making::default() };
+    let scene = Maker::default().scene(&subject, &small, Need::Map, &job).expect("made");
+    let edit = Edit { f_number: FNumber(1.8), focus: Focus::At([0.4, 0.4]), ..Edit::default() };
+    let embed = Embed { recipe: true, ..Embed::default() };
+    let settings = Settings { picture: PictureSettings { embed, ..PictureSettings::default() }, ..Settings::default() };
+    let picture = folder.path().join("made.jpg");
+    export::write(&scene, &edit, &settings, &picture, &job).expect("written");
+
+    let mut harness = with_photo(&picture);
+    assert!(harness.query_by_label("sample.png").is_some(), "the photo is open");
+    assert_eq!(*harness.state().edit(), edit);
+    wait(&mut harness, "the edit beside the photo", |_| {
+        Recipe::of_photo(&photo).is_ok_and(|recipe| recipe.is_some_and(|recipe| recipe.edit(1) == edit))
+    });
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    steps(&mut harness, 2);
+    assert_ne!(*harness.state().edit(), edit, "what was there before comes back");
 }
 
 #[test]
