@@ -63,6 +63,8 @@ pub enum SceneError {
 impl SceneError {
     /// A [`SceneError::Read`].
     pub fn read(what: &'static str, path: &Path, reason: impl ToString, expected: impl Into<String>) -> Self {
-        Self::Read { what, reason: reason.to_string(), expected: expected.into(), path: path.to_owned() }
+        // Decoders end some of their sentences with a line break.
+        let reason = reason.to_string().trim_end().to_owned();
+        Self::Read { what, reason, expected: expected.into(), path: path.to_owned() }
     }
 }

@@ -259,6 +259,10 @@ fn read_picture(item: &Item, long_side: usize) -> Result<Picture, SceneError> {
     let mut picture = Picture::new(item.id.clone(), to_u8(&photo.resized(size)), mask, None);
     if let Some(path) = &item.nearness {
         let map = read_gray("nearness map", path)?;
+        if !same_shape(map.size, native) {
+            let (path, beside) = (path.clone(), "its photo, or fewer in its shape");
+            return Err(SceneError::Size { what: "nearness map", got: map.size, want: native, beside, path });
+        }
         let known: Vec<f32> =
             map.px.iter().map(|texel| f32::from(!item.entry.invalid_zero || texel[0] > 0.0)).collect();
         if known.iter().sum::<f32>() < 0.05 * known.len() as f32 {
@@ -275,6 +279,12 @@ fn read_picture(item: &Item, long_side: usize) -> Result<Picture, SceneError> {
     picture.measured = item.entry.is_measured();
     picture.kind = item.entry.kind.clone().unwrap_or_default();
     Ok(picture)
+}
+
+/// Whether two pictures have the same shape, but for a few rounded pixels.
+fn same_shape([w, h]: [usize; 2], [other_w, other_h]: [usize; 2]) -> bool {
+    let ratio = (w * other_h) as f32 / (h * other_w).max(1) as f32;
+    (ratio - 1.0).abs() < 0.06
 }
 
 fn decode(what: &'static str, path: &Path) -> Result<image::DynamicImage, SceneError> {
@@ -342,12 +352,14 @@ mod tests {
             image::RgbImage::new(40, 40).save(folder.join(format!("{}.jpg", entry.id))).unwrap();
             // Nothing is known in the left quarter; the rest is nearer to the right.
             let near = |x: u32, _| image::Luma([if x < 5 { 0 } else { 40 + 10 * x as u8 }]);
-            let map = image::GrayImage::from_fn(20, 20, near);
+            let map = image::GrayImage::from_fn(if entry.id.contains("wrong") { 40 } else { 20 }, 20, near);
+            let unknown = || image::GrayImage::new(20, 20);
+            let map = if entry.id.contains("unknown") { unknown() } else { map };
             map.save(folder.join(format!("{}.nearness.png", entry.id))).unwrap();
         }
     }
 
-    const LINES: [&str; 8] = [
+    const LINES: [&str; 10] = [
         r#"{"id":"tsdfk_1","label":"sensor","invalid_zero":true,"kind":"room","split":"train"}"#,
         r#"{"id":"repl_1","label":"sensor","invalid_zero":true,"kind":"room","split":"train"}"#,
         r#"{"id":"wide_1","label":"teacher","gate":"self","squeezed":true,"split":"train"}"#,
@@ -355,6 +367,8 @@ mod tests {
         r#"{"id":"doubt_1","label":"teacher","gate":"doubtful","split":"train"}"#,
         r#"{"id":"soft_1","label":"teacher","gate":"soft","split":"train"}"#,
         r#"{"id":"missing_1","label":"teacher","gate":"self","split":"train"}"#,
+        r#"{"id":"wrong_1","label":"teacher","gate":"self","split":"train"}"#,
+        r#"{"id":"unknown_1","label":"sensor","invalid_zero":true,"split":"train"}"#,
         "{no line",
     ];
 
@@ -374,8 +388,10 @@ mod tests {
         assert!(picture("doubt_1").nearness.is_none());
         let [w, h] = picture("wide_1").rgb.size;
         assert_eq!((w, h), (53, 40));
-        assert_eq!(library.notes.len(), 2);
-        assert!(library.notes.iter().any(|note| note.contains("missing_1.jpg")), "{:?}", library.notes);
+        assert_eq!(library.notes.len(), 4);
+        for file in ["missing_1.jpg", "wrong_1.nearness.png", "unknown_1.nearness.png", "manifest.jsonl"] {
+            assert_eq!(library.notes.iter().filter(|note| note.contains(file)).count(), 1, "{:?}", library.notes);
+        }
     }
 
     #[test]

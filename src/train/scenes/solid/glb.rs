@@ -14,6 +14,8 @@ use crate::scenes::raster::Raster;
 
 /// More triangles than this are no prop for a small picture.
 pub const MOST_TRIANGLES: usize = 100_000;
+/// No corner lies further from the origin, metres.
+pub const FARTHEST_M: f32 = 1e4;
 /// Long side of a mesh's picture in memory.
 const SKIN_PX: usize = 128;
 
@@ -102,11 +104,12 @@ struct File<'a> {
     data: &'a [u8],
 }
 
-/// Reads a mesh; the reason in a few words where it cannot be used.
+/// Reads a mesh, and tells whether a picture that it names cannot be read: such a thing is to be painted. The reason in a
+/// few words where it cannot be used.
 ///
 /// # Errors
 /// No binary glTF 2.0; numbers that point outside the file; corners that are no numbers; too many triangles; none.
-pub fn read(bytes: &[u8]) -> Result<Mesh, String> {
+pub fn read(bytes: &[u8]) -> Result<(Mesh, bool), String> {
     let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?) as usize);
     if bytes.get(..4) != Some(b"glTF") || word(4) != Some(2) {
         return Err("it is no binary glTF 2.0".into());
@@ -119,7 +122,7 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, String> {
 }
 
 impl File<'_> {
-    fn mesh(&self) -> Result<Mesh, String> {
+    fn mesh(&self) -> Result<(Mesh, bool), String> {
         let (mut corners, mut faces) = (Vec::new(), Vec::new());
         let skins = self.root.materials.iter().map(|material| self.skin(material)).collect::<Vec<_>>();
         for primitive in self.root.meshes.iter().flat_map(|group| &group.primitives).filter(|p| p.mode == 4) {
@@ -139,7 +142,9 @@ impl File<'_> {
                 }) as u32;
             }
         }
-        Ok(Mesh::new(corners, faces, kept))
+        let named = |material: &Material| material.pbr_metallic_roughness.base_color_texture.is_some();
+        let lost = self.root.materials.iter().zip(&skins).any(|(material, skin)| named(material) && skin.is_none());
+        Ok((Mesh::new(corners, faces, kept), lost))
     }
 
     fn primitive(
@@ -152,8 +157,8 @@ impl File<'_> {
         let first = corners.len() as u32;
         let attribute = |name: &str| primitive.attributes.get(name).copied();
         let places = self.numbers(attribute("POSITION").ok_or("its corners have no places")?, 3)?;
-        if places.iter().any(|x| !x.is_finite() || x.abs() > 1e4) {
-            return Err("corners of it are no numbers, or kilometres away".into());
+        if places.iter().any(|x| x.abs() > FARTHEST_M) {
+            return Err("corners of it are kilometres away".into());
         }
         let count = places.len() / 3;
         let indices = match primitive.indices {
@@ -186,7 +191,7 @@ impl File<'_> {
         };
         faces.extend(indices.chunks_exact(3).map(|t| {
             let shades = [shade(t[0]), shade(t[1]), shade(t[2])];
-            let tint = [0, 1, 2].map(|c| factor[c] * shades.iter().map(|s| s[c]).sum::<f32>() / 3.0);
+            let tint = [0, 1, 2].map(|c| (factor[c] * shades.iter().map(|s| s[c]).sum::<f32>() / 3.0).clamp(0.0, 1.0));
             let skin = skin.map_or(BARE, |skin| skin as u32);
             Face { corners: [t[0] + first, t[1] + first, t[2] + first], tint, skin }
         }));
@@ -238,6 +243,9 @@ impl File<'_> {
                     _ => 0.0,
                 });
             }
+        }
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err("a table of it holds what is no number".into());
         }
         Ok(numbers)
     }

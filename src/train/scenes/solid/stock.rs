@@ -19,6 +19,8 @@ use crate::scenes::{SceneError, Split};
 
 /// Long side of a texture in memory.
 const TEXTURE_PX: usize = 128;
+/// More bytes than this are no prop; they are not even read.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// A mesh with its size.
 pub struct Prop {
@@ -75,7 +77,10 @@ impl Stock {
         let read: Vec<_> = meshes.par_iter().map(|entry| read_prop(&data.join("meshes"), entry)).collect();
         for (entry, prop) in meshes.into_iter().zip(read) {
             match prop {
-                Ok(prop) => stock.props.entry(entry.kind).or_default().push(prop),
+                Ok((prop, note)) => {
+                    stock.props.entry(entry.kind).or_default().push(prop);
+                    stock.notes.extend(note.map(|note| note.to_string()));
+                }
                 Err(note) => stock.notes.push(note.to_string()),
             }
         }
@@ -92,13 +97,19 @@ impl Stock {
 
     fn entries(&mut self, folder: &Path, split: Split) -> Vec<Entry> {
         let path = folder.join("manifest.jsonl");
-        let Ok(text) = std::fs::read_to_string(&path) else { return Vec::new() };
+        if !path.exists() {
+            return Vec::new();
+        }
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|why| {
+            self.notes.push(left_out("manifest", &path, why).to_string());
+            String::new()
+        });
         let mut entries = Vec::new();
         for line in text.lines().filter(|line| !line.trim().is_empty()) {
             match serde_json::from_str::<Entry>(line) {
                 Ok(entry) if side(&entry.id) == split => entries.push(entry),
                 Ok(_) => {}
-                Err(why) => self.notes.push(left_out("a line of the manifest", &path, why).to_string()),
+                Err(why) => self.notes.push(left_out("line of the manifest", &path, why).to_string()),
             }
         }
         entries
@@ -130,10 +141,15 @@ fn left_out(what: &'static str, path: &Path, why: impl ToString) -> SceneError {
     SceneError::read(what, path, why, "a usable one; it is left out")
 }
 
-fn read_prop(folder: &Path, entry: &Entry) -> Result<Prop, SceneError> {
+/// A mesh of the folder, and a sentence where it must be painted because its picture cannot be read.
+fn read_prop(folder: &Path, entry: &Entry) -> Result<(Prop, Option<SceneError>), SceneError> {
     let path = folder.join(format!("{}.glb", entry.id));
+    let length = std::fs::metadata(&path).map_err(|why| left_out("mesh", &path, why))?.len();
+    if length > MOST_BYTES {
+        return Err(left_out("mesh", &path, format!("it has {} MB", length >> 20)));
+    }
     let bytes = std::fs::read(&path).map_err(|why| left_out("mesh", &path, why))?;
-    let mut mesh = glb::read(&bytes).map_err(|why| left_out("mesh", &path, why))?;
+    let (mut mesh, lost) = glb::read(&bytes).map_err(|why| left_out("mesh", &path, why))?;
     let (lo, hi) = mesh.bounds();
     let size = hi - lo;
     if size.max_element() <= 1e-4 {
@@ -144,8 +160,13 @@ fn read_prop(folder: &Path, entry: &Entry) -> Result<Prop, SceneError> {
     let metres = if metres.is_finite() && metres > 0.0 { metres } else { 1.0 };
     let foot = glam::Vec3::new((lo.x + hi.x) / 2.0, lo.y, (lo.z + hi.z) / 2.0);
     mesh.corners.iter_mut().for_each(|corner| corner.at = (corner.at - foot) * metres);
-    let blank = entry.tags.iter().any(|tag| tag == "untextured");
-    Ok(Prop { mesh, size: size * metres, blank })
+    if size.max_element() * metres > glb::FARTHEST_M {
+        return Err(left_out("mesh", &path, "its extent is kilometres"));
+    }
+    let blank = lost || entry.tags.iter().any(|tag| tag == "untextured");
+    let note = lost
+        .then(|| SceneError::read("picture of the mesh", &path, "it is none", "a PNG or JPEG in it; it is painted"));
+    Ok((Prop { mesh, size: size * metres, blank }, note))
 }
 
 fn read_cloth(folder: &Path, entry: &Entry) -> Result<Cloth, SceneError> {
@@ -161,13 +182,28 @@ mod tests {
     use super::*;
 
     /// A binary glTF of one triangle with these corners.
-    pub(crate) fn triangle(corners: [[f32; 3]; 3]) -> Vec<u8> {
+    fn triangle(corners: [[f32; 3]; 3]) -> Vec<u8> {
         let json = r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
             "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
             "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36}]}"#;
+        file(json, corners.as_flattened())
+    }
+
+    /// The same with a picture of zeros, which is none, and these places on it.
+    fn textured(corners: [[f32; 3]; 3], places: [f32; 6]) -> Vec<u8> {
+        let json = r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},
+            "material":0}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+            {"bufferView":0,"byteOffset":36,"componentType":5126,"count":3,"type":"VEC2"}],
+            "bufferViews":[{"buffer":0,"byteLength":60},{"buffer":0,"byteOffset":60,"byteLength":16}],
+            "images":[{"bufferView":1}],"textures":[{"source":0}],
+            "materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}],"buffers":[{"byteLength":76}]}"#;
+        file(json, &[corners.as_flattened(), &places, &[0.0; 4]].concat())
+    }
+
+    fn file(json: &str, numbers: &[f32]) -> Vec<u8> {
         let wide = json.len().div_ceil(4) * 4;
         let json = format!("{json:<wide$}");
-        let data: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let data: Vec<u8> = numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
         let word = |n: usize| (n as u32).to_le_bytes();
         let mut file = b"glTF".to_vec();
         file.extend([word(2), word(28 + json.len() + data.len()), word(json.len()), *b"JSON"].concat());
@@ -182,26 +218,35 @@ mod tests {
         let data = tempfile::tempdir().unwrap();
         let folder = data.path().join("meshes");
         std::fs::create_dir_all(&folder).unwrap();
-        let whole = triangle([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+        let whole = triangle(corners);
+        std::fs::write(folder.join("skin.glb"), textured(corners, [0.0, f32::NAN, 1.0, 0.0, 0.0, 1.0])).unwrap();
+        std::fs::write(folder.join("bare.glb"), textured(corners, [0.0, 0.0, 1.0, 0.0, 0.0, 1.0])).unwrap();
         std::fs::write(folder.join("good.glb"), &whole).unwrap();
         std::fs::write(folder.join("nan.glb"), triangle([[0.0; 3], [f32::NAN; 3], [1.0; 3]])).unwrap();
         std::fs::write(folder.join("cut.glb"), &whole[..60]).unwrap();
         std::fs::write(folder.join("text.glb"), "hello").unwrap();
         let many = String::from_utf8_lossy(&whole).replace("\"count\":3,", "\"count\":30000000,");
         std::fs::write(folder.join("many.glb"), many.as_bytes()).unwrap();
-        let names = ["good", "nan", "cut", "text", "many", "missing"];
+        std::fs::write(folder.join("giant.glb"), &whole).unwrap();
+        let heavy = std::fs::File::create(folder.join("heavy.glb")).unwrap();
+        heavy.set_len(MOST_BYTES + 1).unwrap();
+        let names = ["good", "nan", "cut", "text", "many", "missing", "heavy", "skin", "bare"];
         let lines: String = names.iter().map(|id| format!("{{\"id\":\"{id}\",\"kind\":\"toy\"}}\n")).collect();
-        std::fs::write(folder.join("manifest.jsonl"), lines + "{broken\n").unwrap();
+        let giant = "{\"id\":\"giant\",\"kind\":\"toy\",\"extent\":[1e9,1,1]}\n";
+        std::fs::write(folder.join("manifest.jsonl"), lines + giant + "{broken\n").unwrap();
         let both = [Split::Train, Split::Val].map(|split| Stock::load(data.path(), split));
-        assert_eq!(both.iter().map(|stock| stock.counts()[0]).sum::<usize>(), 1);
-        for name in &names[1..] {
+        // The one whose picture is none is there, to be painted.
+        assert_eq!(both.iter().map(|stock| stock.counts()[0]).sum::<usize>(), 2);
+        for name in names[1..].iter().chain(["giant"].iter()) {
             let notes: Vec<&String> =
                 both.iter().flat_map(|s| &s.notes).filter(|n| n.contains(&format!("{name}.glb"))).collect();
             assert_eq!(notes.len(), 1, "{name}: {notes:?}");
         }
         assert!(both[0].notes.iter().any(|note| note.contains("manifest")));
-        let good = both.iter().flat_map(|stock| stock.props.values().flatten()).next().unwrap();
-        assert_eq!(good.size, glam::Vec3::new(1.0, 2.0, 0.0));
+        let props = || both.iter().flat_map(|stock| stock.props.values().flatten());
+        assert!(props().all(|prop| prop.size == glam::Vec3::new(1.0, 2.0, 0.0)));
+        assert_eq!(props().filter(|prop| prop.blank).count(), 1);
     }
 
     #[test]
