@@ -351,7 +351,7 @@ mod tests {
             }
             image::RgbImage::new(40, 40).save(folder.join(format!("{}.jpg", entry.id))).unwrap();
             // Nothing is known in the left quarter; the rest is nearer to the right.
-            let near = |x: u32, _| image::Luma([if x < 5 { 0 } else { 40 + 10 * x as u8 }]);
+            let near = |x: u32, _| image::Luma([if x < 5 { 0 } else { 40 + 10 * x.min(20) as u8 }]);
             let map = image::GrayImage::from_fn(if entry.id.contains("wrong") { 40 } else { 20 }, 20, near);
             let unknown = || image::GrayImage::new(20, 20);
             let map = if entry.id.contains("unknown") { unknown() } else { map };
