@@ -34,7 +34,11 @@ impl Place {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
         loop {
             let place = builder.tempdir_in(folder)?;
-            let lock = File::create(place.path().join(LOCK))?;
+            let lock = match File::create(place.path().join(LOCK)) {
+                // Who sweeps takes a folder for left that is empty.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+                lock => lock?,
+            };
             // Who sweeps may have been faster. A disk without locks is never swept.
             if !matches!(lock.try_lock(), Err(TryLockError::WouldBlock)) {
                 return Ok(Self { _lock: lock, folder: place });
@@ -63,30 +67,47 @@ pub(super) fn sweep_once(folder: &Path) {
     }
 }
 
+impl Drop for Place {
+    fn drop(&mut self) {
+        clear(self.path());
+    }
+}
+
+/// Takes a folder away, its lock last: who is killed here leaves what the next sweep knows. What cannot be deleted is left
+/// to the next.
+fn clear(folder: &Path) {
+    let all = || fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    for path in all().filter(|path| path.file_name().is_some_and(|name| name != LOCK)) {
+        let _ = if path.is_dir() && !path.is_symlink() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+    }
+    let _ = fs::remove_file(folder.join(LOCK));
+    let _ = fs::remove_dir(folder);
+}
+
 /// Takes away what killed programs left in a folder. What a living one is writing stays.
 pub fn sweep(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        let path = entry.path();
-        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) && is_abandoned(&path) {
-            // Whoever may not delete it leaves it to the next.
-            let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+        if name.starts_with(PREFIX) && name.ends_with(SUFFIX) {
+            take_left(&entry.path());
         }
     }
 }
 
-fn is_abandoned(path: &Path) -> bool {
-    let Ok(facts) = fs::symlink_metadata(path) else { return false };
+/// Takes a file or folder away whose owner does not live.
+fn take_left(path: &Path) {
+    let Ok(facts) = fs::symlink_metadata(path) else { return };
     let is_old = || facts.modified().ok().and_then(|at| at.elapsed().ok()).is_some_and(|age| age > JUST_MADE);
-    let held = match (facts.is_dir(), facts.is_file()) {
-        (true, _) => path.join(LOCK),
-        (_, true) => path.to_owned(),
-        _ => return false,
-    };
-    match File::open(held) {
-        Ok(lock) => lock.try_lock().is_ok(),
-        Err(error) => error.kind() == io::ErrorKind::NotFound && is_old(),
+    let is_free = |held: &Path| File::open(held).is_ok_and(|lock| lock.try_lock().is_ok());
+    let lock = path.join(LOCK);
+    if facts.is_file() && is_free(path) {
+        let _ = fs::remove_file(path);
+    } else if facts.is_dir() && (is_free(&lock) || !lock.exists() && is_old()) {
+        clear(path);
+    } else if facts.is_dir() {
+        // Only if it is empty: made just now, then its owner makes another, or nearly taken away.
+        let _ = fs::remove_dir(path);
     }
 }
 
@@ -103,6 +124,8 @@ mod tests {
         fs::write(left.join("half"), "of a file").unwrap();
         sweep(dir.path());
         assert!(left.exists(), "it may have been made just now");
+        let empty = dir.path().join(".plenoscope-empty.part");
+        fs::create_dir(&empty).unwrap();
         fs::write(left.join(LOCK), "").unwrap();
         fs::write(dir.path().join(".plenoscope-also.part"), "dead").unwrap();
         fs::write(dir.path().join(".plenoscope-batch"), "a person's").unwrap();
@@ -112,6 +135,17 @@ mod tests {
         let mut want = [dir.path().join(".plenoscope-batch"), alive.path().to_owned()];
         want.sort();
         assert_eq!(names, want);
+    }
+
+    #[test]
+    fn a_place_goes_with_its_owner() {
+        let dir = tempfile::tempdir().unwrap();
+        let place = Place::within(dir.path()).unwrap();
+        let folder = place.path().join("new");
+        fs::create_dir(&folder).unwrap();
+        fs::write(folder.join("view.png"), "a view").unwrap();
+        drop(place);
+        assert!(crate::aside::names(dir.path()).is_empty());
     }
 
     #[cfg(unix)]
