@@ -39,10 +39,15 @@ fn keys(ctx: &Context, mut has_sheet: bool) -> Vec<Action> {
         .into_iter()
         .partition::<Vec<_>, _>(|command| command.spec().shortcut.is_some_and(|keys| keys.modifiers.shift));
     let is_taken = widgets::has_arrows(ctx);
+    let has_menu = egui::Popup::is_any_open(ctx);
     let mut actions = Vec::new();
     for command in with_shift.into_iter().chain(without) {
         let keys = command.spec().shortcut;
         if is_taken && matches!(command, Command::StepLeft | Command::StepRight | Command::StepUp | Command::StepDown) {
+            continue;
+        }
+        // Escape closes an open menu first.
+        if has_menu && command == Command::Stop {
             continue;
         }
         if keys.is_some_and(|keys| ctx.input_mut(|input| input.consume_shortcut(&keys))) {

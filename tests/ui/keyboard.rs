@@ -114,3 +114,18 @@ fn a_session_by_keys_alone() {
         all.find(|node| node.accesskit_node().role() == Role::Alert).and_then(|node| node.accesskit_node().label());
     assert_eq!(alert.as_deref(), Some(&*format!("Saved {told}")), "it is said");
 }
+
+#[test]
+fn escape_closes_a_menu_first() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = window([900.0, 600.0]);
+    steps(&mut harness, 3);
+    harness.get_by_role_and_label(Role::Button, "Plenoscope").click();
+    steps(&mut harness, 3);
+    assert!(harness.query_by_label_contains("Settings…").is_some());
+    harness.key_press(Key::Escape);
+    steps(&mut harness, 3);
+    assert!(harness.query_by_label_contains("Settings…").is_none());
+}
