@@ -64,6 +64,8 @@ pub struct PhotoFile {
 pub struct LightFieldFile {
     /// The views.
     pub field: Arc<LightField>,
+    /// Whether the views are only those at the corners of the grid: upper left, upper right, lower left, lower right.
+    pub corners: bool,
     /// The disparity of every ray, where the file has it.
     pub depths: Option<Arc<RayDepths>>,
     /// Where each ray's colour comes from, where the file says it.
@@ -89,6 +91,7 @@ impl LightFieldFile {
         let warnings = info.warnings.clone();
         Self {
             field,
+            corners: false,
             depths,
             provenance: None,
             reference_disparity: None,

@@ -12,6 +12,9 @@ use crate::job::Job;
 use crate::splats::Pictured;
 use crate::synth::{corners, reference_view};
 
+/// The most pixels of a view of which 64 are made.
+const LARGEST_CORNER: u64 = 6 << 20;
+
 /// An open file, or a picture that never was one.
 #[derive(Clone, Debug)]
 pub struct Subject {
@@ -78,7 +81,30 @@ impl Subject {
         let opened = io::open(path, job)?;
         log::info!("opened {}", path.display());
         opened.info().warnings.iter().for_each(|warning| job.sink.warning(warning.clone()));
-        Ok(Self::from_opened(opened, path))
+        Self::whole(opened, path, job)
+    }
+
+    /// What was read from a path; where only the views at the corners are there, with those between.
+    ///
+    /// # Errors
+    /// Corners that are too large; cancelled.
+    pub fn whole(opened: Opened, path: &Path, job: &Job) -> Result<Self, SceneError> {
+        let corners = matches!(&opened, Opened::LightField(file) if file.corners);
+        let mut subject = Self::from_opened(opened, path);
+        if let Content::Views(recorded) = &mut subject.content
+            && corners
+        {
+            let [width, height] = recorded.shown.size();
+            if u64::from(width) * u64::from(height) > LARGEST_CORNER {
+                return Err(SceneError::Refused(format!(
+                    "64 views of {width}×{height} pixels do not fit into memory — give the four to `plenoscope synth \
+                     --corners`, which makes smaller ones: {}",
+                    path.display()
+                )));
+            }
+            *recorded = Recorded::between(recorded.shown.views(), job)?;
+        }
+        Ok(subject)
     }
 
     /// What was read from a path.
@@ -125,10 +151,7 @@ impl Subject {
             }
             views.push(Arc::new(view));
         }
-        let (field, depths) = corners::between(&views, job)?;
-        let (shown, depths) = (Arc::new(field), Some(Arc::new(depths)));
-        let layout = Layout::default();
-        let recorded = Recorded { shown, depths, stored: None, reference: None, provenance: None, layout };
+        let recorded = Recorded::between(&views, job)?;
         let name = photos[0].file_name().unwrap_or(photos[0].as_os_str()).to_string_lossy().into_owned();
         let path = Some(photos[0].to_owned());
         Ok(Self { name, path, file: None, info: None, content: Content::Views(recorded) })
@@ -231,6 +254,13 @@ impl From<LightFieldFile> for Recorded {
 }
 
 impl Recorded {
+    fn between(corners: &[Arc<View>], job: &Job) -> Result<Self, SceneError> {
+        let (field, depths) = corners::between(corners, job)?;
+        let (shown, depths) = (Arc::new(field), Some(Arc::new(depths)));
+        let layout = Layout::default();
+        Ok(Self { shown, depths, stored: None, reference: None, provenance: None, layout })
+    }
+
     /// The views as they lie in their files.
     pub fn as_stored(&self) -> &Arc<LightField> {
         self.stored.as_ref().unwrap_or(&self.shown)

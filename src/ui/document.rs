@@ -55,7 +55,8 @@ impl Document {
                 Err(error) => warnings.push(sentence(&error)),
             }
         }
-        Ok(Self::with_sidecar(Subject::from_opened(opened, path), path, warnings))
+        let subject = Subject::whole(opened, path, job).map_err(|error| sentence(&error))?;
+        Ok(Self::with_sidecar(subject, path, warnings))
     }
 
     /// Reads photos of one subject, and the edit that lies beside the first of them.

@@ -58,6 +58,13 @@ fn four_corners_become_a_light_field_that_holds_them() {
     assert!(made < nearest, "{made} of 255, and {nearest} of a corner");
     let said = json(&["info", "--json", &dir.arg("between")]);
     assert_eq!(said["views"], serde_json::json!([8, 8]));
+    // A folder of nothing but these four is the same.
+    fs::create_dir(dir.path("four")).unwrap();
+    for name in ["view_0_0.png", "view_0_7.png", "view_7_0.png", "view_7_7.png"] {
+        fs::copy(dir.path("field").join(name), dir.path("four").join(name)).unwrap();
+    }
+    plenoscope(&["view", &dir.arg("four"), "--at", "-1,-1", "-o", &dir.arg("made.png")]).assert().success();
+    assert_eq!(image::open(dir.path("made.png")).unwrap().to_rgb8(), view("between", "3_3"));
     let three = ["synth", "--corners", a, b, c, "-o", &dir.arg("none")];
     plenoscope(&three).assert().code(2);
     let field = dir.arg("field");

@@ -17,6 +17,8 @@ pub(super) struct GridFiles {
     pub(super) files: Vec<PathBuf>,
     /// Whether the names hold one running number only, so that it is a guess that they are views at all.
     pub(super) running: bool,
+    /// Whether they are the four at the corners of a larger grid, whose other views are not there.
+    pub(super) corners: bool,
 }
 
 /// A name's pattern and the numbers in it.
@@ -85,7 +87,8 @@ fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) ->
         all
     };
     let (mut rows, mut cols) = (distinct(row), distinct(col));
-    if let Some(grid) = grid.filter(|g| g.rows() != rows.len() || g.cols() != cols.len()) {
+    let corners = files.len() == 4 && are_corners(&rows, &cols);
+    if let Some(grid) = grid.filter(|g| !corners && (g.rows() != rows.len() || g.cols() != cols.len())) {
         // A whole row or column of files is missing: the index file says how many there should be.
         (rows, cols) = ((0..grid.rows() as u64).collect(), (0..grid.cols() as u64).collect());
     }
@@ -99,7 +102,13 @@ fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) ->
             ordered.push(by_place.get(&[r, c]).ok_or_else(missing)?.clone());
         }
     }
-    Ok(GridFiles { grid, files: ordered, running: false })
+    Ok(GridFiles { grid, files: ordered, running: false, corners })
+}
+
+/// Two rows and two columns that lie equally far apart, with others between them.
+fn are_corners(rows: &[u64], cols: &[u64]) -> bool {
+    let step = |lines: &[u64]| if let [first, last] = lines { last - first } else { 0 };
+    step(rows) > 1 && step(rows) == step(cols)
 }
 
 /// A running number fills the grid of the index file, else a square, else one row.
@@ -132,7 +141,7 @@ fn running_number(
         }
     }
     let files = files.into_iter().take(count).map(|(_, path)| path).collect();
-    Ok(Some(GridFiles { grid: shape, files, running: !known }))
+    Ok(Some(GridFiles { grid: shape, files, running: !known, corners: false }))
 }
 
 #[cfg(test)]
@@ -179,6 +188,15 @@ mod tests {
         gap.remove(6);
         let problem = find(folder(&gap).path(), None).unwrap_err();
         assert!(matches!(problem, Problem::MissingView { v: 1, u: 2, rows: 4, cols: 4 }), "{problem}");
+    }
+
+    #[test]
+    fn four_views_with_a_gap_between_them_are_corners() {
+        let of = |v: u32, u: u32| format!("view_{}_{}.png", 7 * v, 7 * u);
+        let found = find(folder(&names(of, 2, 2)).path(), Some(ViewGrid::PAPER)).unwrap().unwrap();
+        assert_eq!((found.grid.rows(), found.grid.cols(), found.corners), (2, 2, true));
+        let beside = find(folder(&names(|v, u| format!("view_{v}_{u}.png"), 2, 2)).path(), None).unwrap().unwrap();
+        assert!(!beside.corners);
     }
 
     #[test]

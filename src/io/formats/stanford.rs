@@ -68,7 +68,7 @@ fn find(folder: &Path) -> Result<Option<GridFiles>, Problem> {
         let found = cameras.binary_search_by_key(&(row, col), |c| (c.row, c.col)).map_err(|_place| missing())?;
         files.push(cameras[found].path.clone());
     }
-    Ok(Some(GridFiles { grid, files, running: false }))
+    Ok(Some(GridFiles { grid, files, running: false, corners: false }))
 }
 
 /// How a position changes with a number: the sign of their covariance.

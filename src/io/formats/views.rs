@@ -93,10 +93,14 @@ pub(super) fn read_files(
     let depths = read_depths(&field, name, job, &mut warnings)?;
     info.warnings = warnings;
     let provenance = read_provenance(folder, &field);
+    if files.corners {
+        info.notes.push(("views".to_owned(), "the corners alone".to_owned()));
+    }
     let mut file = LightFieldFile::new(Arc::new(field), depths, info);
     file.provenance = provenance;
+    file.corners = files.corners;
     // Our own folders say how they lie; of others it is found out.
-    if index.grid.is_none() && file.depths.is_none() {
+    if index.grid.is_none() && file.depths.is_none() && !files.corners {
         super::check_layout(&mut file);
     }
     Ok(Some(file.into()))
