@@ -16,6 +16,7 @@
 
 pub mod asked;
 pub mod batch;
+pub mod dots;
 mod edit;
 mod embed;
 mod error;

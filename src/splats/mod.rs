@@ -7,6 +7,7 @@
 //! * [`Stage::new`]: a camera for a file that names none.
 //! * [`views`](self): the grid of views; [`Stage::through_lens`]: true defocus, by many views over the lens's opening.
 //! * [`from_field()`]: one Gaussian for each point that a light field's rays end at.
+//! * [`Dots`]: the same points as dots, seen from any side at once.
 //!
 //! Space is that of cameras in photogrammetry: x right, y down, z away from the camera. The conventions of pixels and
 //! disparities are those of [`crate::field`].
@@ -14,10 +15,12 @@
 mod camera;
 mod cloud;
 mod defocus;
+mod dots;
 mod fill;
 mod find;
 mod from_field;
 pub mod harmonics;
+mod points;
 mod project;
 mod raster;
 mod stage;
@@ -29,7 +32,7 @@ use crate::job::Cancelled;
 
 pub use camera::{Camera, Rig};
 pub use cloud::{Blend, Cloud, Gaussian};
-
+pub use dots::{Dots, Gathered, Turn};
 pub use from_field::from_field;
 pub use stage::{NamedCamera, Pictured, Stage};
 

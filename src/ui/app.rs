@@ -13,7 +13,7 @@ use super::event::Event;
 use super::field_pictures::FieldPictures;
 use super::hints::Hint;
 use super::jobs::OpenFrom;
-use super::look::Look;
+use super::look::{Face, Look};
 use super::progress::now;
 use super::rest::Seen;
 use super::settings::Settings;
@@ -94,7 +94,9 @@ impl App {
     /// Whether nothing is on its way: no job, no upload, no picture at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_uploading = self.window.pictures.as_ref().is_some_and(FieldPictures::is_uploading);
-        !self.is_busy() && self.window.rest.is_there() && !is_uploading && self.is_mended() && self.is_shaped()
+        let has_points = self.window.look.face != Face::Points || self.window.points.is_there();
+        let is_drawn = self.window.rest.is_there() && has_points;
+        !self.is_busy() && is_drawn && !is_uploading && self.is_mended() && self.is_shaped()
     }
 
     /// Whether all repairs are in what is shown.
@@ -167,13 +169,22 @@ impl App {
 
     /// Asks for the pictures that come late.
     fn ask_for_pictures(&mut self, ctx: &egui::Context) {
-        let Window { open, edit, look, rest, settings, workers, shaping, asked, tint, .. } = &mut self.window;
+        let Window { open, edit, look, rest, settings, workers, shaping, asked, tint, points, .. } = &mut self.window;
         if let Some(request) = shaping.ask(open, edit, rest.generation(), asked, look.is_moving) {
             workers.shaper.replace(request);
         }
         let seen = Seen { open, edit, look };
         if let Some(request) = rest.ask(&seen, ctx) {
             workers.finisher.replace(request);
+        }
+        if look.face == Face::Points
+            && let Some(scene) = open.scene()
+        {
+            let size = look.canvas.size() * ctx.pixels_per_point();
+            let size = [size.x, size.y].map(|side| side.max(1.0) as u32);
+            if let Some(request) = points.ask(scene, size, rest.generation(), ctx) {
+                workers.points.replace(request);
+            }
         }
         if settings.trust
             && let Some(request) = tint.ask(&seen, rest.generation())

@@ -139,6 +139,7 @@ fn can(window: &Window, command: Command) -> bool {
         | Command::StepDown
         | Command::Circle
         | Command::Views
+        | Command::Points
         | Command::Depths
         | Command::ToggleDepth => open.grid().is_some(),
         Command::Opposite | Command::Transpose | Command::Serpentine => matches!(open, Open::LightField(_)),
@@ -170,6 +171,9 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         let path = window.open.subject().and_then(|subject| subject.path.as_deref());
         window.workers.asker.push(ask(path.and_then(Path::parent).map(PathBuf::from)));
     };
+    if window.look.face == Face::Points && window.points.obey(command) {
+        return;
+    }
     match command {
         Command::Open => ask(window, |folder| Ask::Open { folder }),
         Command::OpenFolder => ask(window, |folder| Ask::OpenFolder { folder }),
@@ -236,6 +240,7 @@ fn look(window: &mut Window, command: Command, ctx: &Context) {
         Command::Picture => look.face = Face::Picture,
         Command::Views => look.face = Face::Views,
         Command::Depths => look.face = Face::Depths,
+        Command::Points => look.face = Face::Points,
         Command::ToggleDepth => {
             look.face = if look.face == Face::Depths { Face::Picture } else { Face::Depths };
         }
@@ -309,7 +314,7 @@ fn hold_repair(window: &mut Window) {
         // What is chosen lies in the reference view.
         look_from(window, ViewOffset::default());
         (window.settings.has_inspector, window.look.is_drawer_open) = (true, true);
-        if window.look.face == Face::Views {
+        if matches!(window.look.face, Face::Views | Face::Points) {
             window.look.face = Face::Picture;
         }
     }

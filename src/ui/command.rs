@@ -41,6 +41,7 @@ pub enum Command {
     Picture,
     Views,
     Depths,
+    Points,
     ToggleDepth,
     BeforeAfter,
     Stereo,
@@ -92,7 +93,7 @@ pub const MOUSE: [(&str, &str); 9] = [
 
 impl Command {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 56] = [
+    pub const ALL: [Self; 57] = [
         Self::Open,
         Self::OpenFolder,
         Self::OpenSample,
@@ -129,6 +130,7 @@ impl Command {
         Self::Picture,
         Self::Views,
         Self::Depths,
+        Self::Points,
         Self::ToggleDepth,
         Self::BeforeAfter,
         Self::Stereo,
@@ -193,6 +195,12 @@ impl Command {
             Self::Picture => ("View", "Picture", "The refocused picture", ctrl(Key::Num1)),
             Self::Views => ("View", "Views", "All views of the light field", ctrl(Key::Num2)),
             Self::Depths => ("View", "Ray depths", "Ray depths of the current view", ctrl(Key::Num3)),
+            Self::Points => (
+                "View",
+                "Points",
+                "The scene as points: a drag turns it, a double click turns it back",
+                ctrl(Key::Num4),
+            ),
             Self::ToggleDepth => {
                 ("View", "Ray depths on and off", "Change between picture and ray depths", key(Key::D))
             }

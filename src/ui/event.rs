@@ -9,6 +9,7 @@ use super::document::Document;
 use super::keys::{Peaks, RestKey};
 use super::mending::Answer;
 use super::open::Made;
+use super::points::Drawn;
 use super::rays::Rays;
 use super::tiles::TileSet;
 use super::trust::TrustKey;
@@ -34,6 +35,8 @@ pub enum Event {
     Made(Box<Made>),
     /// What was invented of a picture.
     Trust(TrustKey, egui::ColorImage),
+    /// The scene as points.
+    Points(Box<Drawn>),
     /// What mending depth was waiting for.
     Mending(Answer),
     /// The light field that is shown, at another strength.

@@ -61,6 +61,7 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
         Event::Picked(picked) => self::picked(window, picked, ctx),
         Event::AtRest(key, tiles) => window.rest.put(key, tiles),
         Event::Trust(key, image) => window.tint.put(key, image, ctx),
+        Event::Points(drawn) => window.points.put(*drawn, ctx),
         Event::Mending(answer) => mending(window, answer, ctx),
         Event::AtStrength(made) => at_strength(window, *made),
         Event::Peaks(peaks) => window.rest.put_peaks(peaks, ctx),
@@ -175,6 +176,7 @@ fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Con
     window.mending.forget();
     window.film.forget();
     window.tint.forget();
+    window.points.forget();
     window.timeline = match &document.sidecar {
         Sidecar::Read(recipe) => recipe.timeline.clone(),
         _ => None,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::field::{ViewGrid, ViewOffset, ViewPoint};
 
-/// The three faces of the canvas.
+/// The faces of the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Face {
     /// The refocused picture.
@@ -15,6 +15,8 @@ pub enum Face {
     Views,
     /// Ray depths of the current view.
     Depths,
+    /// The scene as points in space.
+    Points,
 }
 
 /// The line between the photo and the picture.
@@ -57,7 +59,7 @@ impl Stereo {
 /// How the picture is looked at: what of it changes nothing but that.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
-    /// Picture, views or ray depths.
+    /// Picture, views, ray depths or points.
     pub face: Face,
     /// Zoom and pan.
     pub pose: Pose,

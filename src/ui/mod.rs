@@ -34,6 +34,7 @@ mod neighbours;
 mod open;
 mod panels;
 mod peaking;
+mod points;
 mod progress;
 mod queue;
 mod rays;

@@ -15,6 +15,7 @@ use super::jobs::{Load, OpenFrom};
 use super::look::Look;
 use super::mending::Mending;
 use super::open::Open;
+use super::points::Points;
 use super::progress::{Loading, Running};
 use super::queue::Queue;
 use super::rest::AtRest;
@@ -76,6 +77,8 @@ pub struct Window {
     pub film: Film,
     /// What was invented.
     pub tint: Tint,
+    /// The scene as points.
+    pub points: Points,
     /// The light field on the device.
     pub pictures: Option<FieldPictures>,
     /// The photo on the device.
@@ -143,6 +146,7 @@ impl Window {
             look: Look::default(),
             mending: Mending::default(),
             tint: Tint::default(),
+            points: Points::default(),
             repairs: Repairs::default(),
             timeline: None,
             film: Film::default(),

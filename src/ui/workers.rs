@@ -10,7 +10,7 @@ use super::jobs::Load;
 use super::neighbours::{self, Ahead};
 use super::saver::Order;
 use super::worker::{Outbox, Worker};
-use super::{adding, dialogs, finals, history, jobs, mending, peaking, recents, saver, strength, trust};
+use super::{adding, dialogs, finals, history, jobs, mending, peaking, points, recents, saver, strength, trust};
 use crate::scene::Maker;
 use crate::synth::cache::Cache;
 
@@ -24,6 +24,8 @@ pub struct Workers {
     pub finisher: Worker<finals::Request>,
     /// Tints what was invented.
     pub truster: Worker<trust::Request>,
+    /// Draws scenes as points.
+    pub points: Worker<points::Request>,
     /// Mends light fields.
     pub mender: Worker<mending::Request>,
     /// Finds the pixels of things, for whoever mends.
@@ -59,6 +61,7 @@ impl Workers {
             saver: Worker::spawn("export", out(), saver::worker(maker)),
             finisher: Worker::spawn("final", out(), finals::worker(pictures.and_then(FieldPictures::lens_renderer))),
             truster: Worker::spawn("trust", out(), trust::work),
+            points: Worker::spawn("points", out(), points::worker()),
             mender: Worker::spawn("mend", out(), mending::work),
             outliner: Worker::spawn("outline", out(), mending::work),
             shaper: Worker::spawn("strength", out(), strength::work),

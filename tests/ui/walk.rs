@@ -4,7 +4,7 @@ use egui::{pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use plenoscope::field::ViewPoint;
 
-use crate::common::{button, click, has_device, steps, wait, with_sample};
+use crate::common::{Window, button, click, has_device, steps, wait, with_sample};
 
 #[test]
 fn the_main_walk() {
@@ -80,6 +80,47 @@ fn views_depths_and_keys() {
     harness.step();
     harness.step();
     assert!(harness.query_by_label("Shortcuts").is_some(), "F1 shows the sheet");
+}
+
+#[test]
+fn points_turn_under_the_hand_and_back() {
+    if !has_device() {
+        return;
+    }
+    let mut harness = with_sample([1200.0, 800.0]);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Num4);
+    steps(&mut harness, 2);
+    wait(&mut harness, "the points", |app| app.is_at_rest());
+    let canvas = harness.get_by_label("Points canvas").rect();
+    let from = canvas.center();
+    let shown = |harness: &mut Window| {
+        // The pointer is in the picture.
+        harness.hover_at(from);
+        steps(harness, 4);
+        let all = harness.render().expect("the window is drawn");
+        // Without the read-out below.
+        let [x, y, w, h] =
+            [canvas.left(), canvas.top(), canvas.width(), canvas.height() - 60.0].map(|side| side as u32);
+        image::imageops::crop_imm(&all, x, y, w, h).to_image().into_raw()
+    };
+    let before = shown(&mut harness);
+    let eye = harness.state().edit().viewpoint;
+    button(&harness, from, true);
+    harness.step();
+    for step in 1..=6 {
+        harness.hover_at(from + vec2(20.0 * step as f32, 0.0));
+        harness.step();
+    }
+    button(&harness, from + vec2(120.0, 0.0), false);
+    wait(&mut harness, "the points from the side", |app| app.is_at_rest());
+    let turned = shown(&mut harness);
+    let changed = before.chunks_exact(4).zip(turned.chunks_exact(4)).filter(|(a, b)| a != b).count();
+    assert!(changed * 10 > before.len() / 4, "{changed} pixels changed");
+    assert_eq!(harness.state().edit().viewpoint, eye, "the eye of the picture stays");
+    harness.key_press(egui::Key::Home);
+    steps(&mut harness, 2);
+    wait(&mut harness, "the points from the front", |app| app.is_at_rest());
+    assert!(shown(&mut harness) == before, "Home turns back");
 }
 
 /// A file that never ends: whoever waited for it would wait for ever.

@@ -16,6 +16,7 @@ mod mend;
 mod near_end;
 mod opening;
 mod path_box;
+mod points;
 mod presets;
 mod queue;
 mod real_lens;
@@ -132,7 +133,7 @@ fn picture_area(window: &mut Window, ui: &mut Ui, area: Rect, is_narrow: bool) -
 
 /// The picture's present face.
 fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
-    let Window { open, edit, look, pictures, photo, rest, settings, mending, repairs, tint, .. } = window;
+    let Window { open, edit, look, pictures, photo, rest, settings, mending, repairs, tint, points, .. } = window;
     let pictures = pictures.as_mut();
     match look.face {
         Face::Picture => {
@@ -144,6 +145,10 @@ fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
         Face::Views => {
             let views = Views::new(open, edit.viewpoint, pictures.as_deref());
             return views.map_or_else(Vec::new, |views| views::show(&views, ui, area));
+        }
+        Face::Points => {
+            points::show(open, points, rest.generation(), ui, area);
+            return Vec::new();
         }
         Face::Depths => {
             depths::show(Depths { open, edit, look, pictures, colormap: settings.colormap }, ui, area);

@@ -1,4 +1,4 @@
-//! The top bar: menu, Open, what is open, the three faces, before/after, Export.
+//! The top bar: menu, Open, what is open, the faces, before/after, Export.
 
 use std::path::PathBuf;
 
@@ -11,8 +11,8 @@ use crate::ui::jobs::OpenFrom;
 use crate::ui::look::{Face, Look};
 use crate::ui::{theme, widgets};
 
-/// Width of the three faces.
-const FACES_WIDTH: f32 = 252.0;
+/// Width of the faces.
+const FACES_WIDTH: f32 = 312.0;
 /// Narrower than this, what the menu has as well goes.
 const TIGHT_WIDTH: f32 = 820.0;
 const TINY_WIDTH: f32 = 700.0;
@@ -41,7 +41,8 @@ pub fn show(shown: TopBar, ui: &mut Ui) -> Vec<Action> {
     let right_start = right(&shown, ui, rect, &mut actions);
     let half = FACES_WIDTH / 2.0;
     let middle = rect.center().x.min(right_start - GAP - half).max(left_end + half);
-    let faces = [(Face::Picture, "Picture"), (Face::Views, "Views"), (Face::Depths, "Ray depths")];
+    let faces =
+        [(Face::Picture, "Picture"), (Face::Views, "Views"), (Face::Depths, "Ray depths"), (Face::Points, "Points")];
     let place = Rect::from_center_size(pos2(middle, rect.center().y), vec2(FACES_WIDTH, rect.height()));
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::left_to_right(Align::Center)), |ui| {
         widgets::segmented(ui, "Face", &mut shown.look.face, &faces);
