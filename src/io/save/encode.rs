@@ -3,13 +3,14 @@
 use std::io::{Seek, Write};
 use std::path::Path;
 
+use rayon::prelude::*;
 use tiff::Directory;
 use tiff::encoder::{DirectoryEncoder, TiffEncoder, TiffKindStandard, colortype};
 use tiff::tags::{Tag, Type};
 
 use super::carry::SEGMENT_BYTES;
 use super::exif::{self, Field};
-use super::{Format, Keep, PictureOptions, Pixels, Samples, SaveError, xmp};
+use super::{Format, Keep, PictureOptions, Pixels, Samples, SaveError, jpeg, xmp};
 
 const TIFF_XMP: u16 = 700;
 const BYTE: u16 = 1;
@@ -45,7 +46,7 @@ pub fn encode(
     let blocks = Blocks::of(pixels, format, options)?;
     match format {
         Format::Png => png(out, pixels, blocks),
-        Format::Jpeg => jpeg(out, pixels, &blocks, options.quality),
+        Format::Jpeg => write_jpeg(out, pixels, &blocks, options.quality),
         Format::Tiff => tiff(out, pixels, blocks),
         Format::WebP => webp(out, pixels, blocks),
     }
@@ -81,19 +82,16 @@ fn thumbnail(pixels: &Pixels) -> Option<Vec<u8>> {
         Samples::Eight(px) => u32::from(px[i]),
         Samples::Sixteen(px) => u32::from(px[i] >> 8),
     };
-    let mut small = Vec::with_capacity(small_w * small_h * 3);
-    for y in 0..small_h {
-        for x in 0..small_w {
-            for channel in 0..3 {
-                let rows = y * step..((y + 1) * step).min(height);
-                let cols = x * step..((x + 1) * step).min(width);
-                let count = (rows.len() * cols.len()) as u32;
-                let sum: u32 =
-                    rows.flat_map(|y| cols.clone().map(move |x| (y * width + x) * 3 + channel)).map(value).sum();
-                small.push((sum / count.max(1)) as u8);
-            }
-        }
-    }
+    let mean = |x: usize, y: usize, channel: usize| {
+        let (rows, cols) = (y * step..((y + 1) * step).min(height), x * step..((x + 1) * step).min(width));
+        let count = (rows.len() * cols.len()) as u32;
+        let sum: u32 = rows.flat_map(|y| cols.clone().map(move |x| (y * width + x) * 3 + channel)).map(value).sum();
+        (sum / count.max(1)) as u8
+    };
+    let mut small = vec![0; small_w * small_h * 3];
+    small.par_chunks_mut(small_w * 3).enumerate().for_each(|(y, row)| {
+        row.iter_mut().enumerate().for_each(|(i, to)| *to = mean(i / 3, y, i % 3));
+    });
     let mut out = Vec::new();
     let encoder = jpeg_encoder::Encoder::new(&mut out, 80);
     encoder.encode(&small, small_w as u16, small_h as u16, jpeg_encoder::ColorType::Rgb).ok()?;
@@ -134,7 +132,7 @@ fn png(out: &mut impl Write, pixels: &Pixels, blocks: Blocks) -> Result<(), Save
     writer.finish().map_err(error)
 }
 
-fn jpeg(out: &mut impl Write, pixels: &Pixels, blocks: &Blocks, quality: u8) -> Result<(), SaveError> {
+fn write_jpeg(out: &mut impl Write, pixels: &Pixels, blocks: &Blocks, quality: u8) -> Result<(), SaveError> {
     let error = |error: jpeg_encoder::EncodingError| match error {
         jpeg_encoder::EncodingError::IoError(e) => io(&e),
         other => odd(other),
@@ -143,17 +141,11 @@ fn jpeg(out: &mut impl Write, pixels: &Pixels, blocks: &Blocks, quality: u8) -> 
     if width.max(height) > JPEG_SIDE {
         return Err(odd("a JPEG is at most 65535 pixels wide and high; choose PNG or TIFF, or a smaller size"));
     }
-    let mut encoder = jpeg_encoder::Encoder::new(out, quality.clamp(1, 100));
-    encoder.set_sampling_factor(jpeg_encoder::SamplingFactor::F_1_1);
-    encoder.set_optimized_huffman_tables(true);
     let exif = blocks.exif.iter().map(|block| [b"Exif\0\0", &**block].concat());
-    for segment in exif.chain(blocks.xmp.iter().cloned()).filter(|segment| segment.len() <= SEGMENT_BYTES) {
-        encoder.add_app_segment(1, &segment).map_err(error)?;
-    }
-    if let Some(icc) = &blocks.icc {
-        encoder.add_icc_profile(icc).map_err(error)?;
-    }
-    encoder.encode(&pixels.to_eight(), width as u16, height as u16, jpeg_encoder::ColorType::Rgb).map_err(error)
+    let segments: Vec<_> =
+        exif.chain(blocks.xmp.iter().cloned()).filter(|segment| segment.len() <= SEGMENT_BYTES).collect();
+    let how = jpeg::Options { quality, segments: &segments, icc: blocks.icc.as_deref() };
+    jpeg::encode(out, &pixels.to_eight(), [width as u16, height as u16], &how).map_err(error)
 }
 
 fn webp(out: &mut impl Write, pixels: &Pixels, blocks: Blocks) -> Result<(), SaveError> {

@@ -8,6 +8,7 @@ mod carry;
 mod encode;
 pub(crate) mod exif;
 mod gdepth;
+mod jpeg;
 #[cfg(test)]
 mod tests;
 mod video;
