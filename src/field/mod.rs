@@ -49,7 +49,7 @@ pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
 pub(crate) use opening::Integral;
 pub use opening::Opening;
-pub use photo::{Metadata, Photo, PhotoPixels};
+pub use photo::{Metadata, Photo, PhotoPixels, PixelsPart, ToSrgb8};
 pub use picture::{Picture, Pixels, Samples};
 pub use provenance::{Provenance, Seen};
 pub use rank::{Moments, correlation, spearman};

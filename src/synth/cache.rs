@@ -19,7 +19,7 @@ use super::library::hex;
 use super::range::Metric;
 use super::{Manifest, SynthParams};
 use crate::aside::NewFile;
-use crate::field::{DisparityMap, Photo, pixels};
+use crate::field::{DisparityMap, Photo, PhotoPixels, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
 const MAGIC: &[u8; 8] = b"PLENO\0\0\x06";
@@ -142,7 +142,11 @@ impl CacheKey {
         hash.update(format!("{:?} {:?}", params.camera, params.scale));
         // All that a manifest says counts: who tries another working scale must not be shown the old one's light field.
         models.iter().for_each(|manifest| hash.update(format!("{manifest:?}")));
-        hash.update(photo.srgb8());
+        match photo.pixels() {
+            PhotoPixels::Eight(px) => hash.update(&**px),
+            PhotoPixels::Sixteen(px) => px.iter().for_each(|value| hash.update(value.to_le_bytes())),
+        }
+        hash.update(photo.metadata().icc.as_deref().unwrap_or_default());
         let disparity = params.disparity.as_deref().map(|map| (map.size(), map.disparity_px()));
         let phone = params.phone.as_deref().map(|phone| (phone.nearness.size(), phone.nearness.nearness()));
         // An order and the same numbers in metres are two scenes.

@@ -30,7 +30,7 @@ pub fn reference_view(photo: &Photo, long_side: u32, job: &Job) -> Result<View, 
 fn shrink(photo: &Photo, target: Size, job: &Job) -> Result<Vec<f32>, Cancelled> {
     let source = photo.size();
     let rows = |y: usize, buffer: &mut [f32]| {
-        light_row(photo.srgb8(), source[0] as usize, y, buffer);
+        light_row(&photo.srgb8_row(y), buffer);
         job.cancel.check()
     };
     let half = target.map(|side| side * 2);
@@ -41,8 +41,7 @@ fn shrink(photo: &Photo, target: Size, job: &Job) -> Result<Vec<f32>, Cancelled>
     Ok(resample::<3>(&between, half, target, Filter::Lanczos3))
 }
 
-fn light_row(rgba: &[u8], width: usize, y: usize, buffer: &mut [f32]) {
-    let row = &rgba[y * width * 4..(y + 1) * width * 4];
+fn light_row(row: &[u8], buffer: &mut [f32]) {
     for (light, pixel) in buffer.chunks_exact_mut(3).zip(row.chunks_exact(4)) {
         (0..3).for_each(|c| light[c] = linear_from_srgb8(pixel[c]));
     }
@@ -70,7 +69,8 @@ impl Signed {
             return Self::from_view(view);
         }
         let Ok(light) = resample_rows::<3, Infallible>(source, target, filter, |y, buffer| {
-            light_row(view.rgba(), source[0] as usize, y, buffer);
+            let wide = source[0] as usize * 4;
+            light_row(&view.rgba()[y * wide..(y + 1) * wide], buffer);
             Ok(())
         });
         Self::of_light(target, &light)

@@ -54,10 +54,10 @@ impl Seen<'_> {
         }
     }
 
-    fn rgba(self) -> Arc<[u8]> {
+    fn rgba(&self) -> &[u8] {
         match self {
-            Self::Photo(photo) => Arc::clone(photo.srgb8()),
-            Self::View(view) => view.rgba().into(),
+            Self::Photo(photo) => photo.srgb8(),
+            Self::View(view) => view.rgba(),
         }
     }
 
@@ -88,7 +88,7 @@ pub fn write_gdepth(path: &Path, seen: Seen, map: &DisparityMap, quality: u8) ->
     for segment in carry.segments(None).map_err(|error| why(&error))? {
         encoder.add_app_segment(1, &segment).map_err(|error| why(&error))?;
     }
-    encoder.encode(&seen.rgba(), width, height, JpegColor::Rgba).map_err(|error| why(&error))?;
+    encoder.encode(seen.rgba(), width, height, JpegColor::Rgba).map_err(|error| why(&error))?;
     out::single(path, |out| out.write_all(&jpeg))
 }
 

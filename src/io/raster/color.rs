@@ -3,50 +3,50 @@
 use std::sync::Arc;
 
 use moxcms::{ColorProfile, DataColorSpace, Layout, ProfileText, TransformExecutor, TransformOptions};
-use rayon::prelude::*;
 
+use crate::field::{PixelsPart, ToSrgb8};
 use crate::within::plain_words;
-
-/// Pixels that one task converts.
-const CHUNK: usize = 1 << 14;
 
 /// The 8-bit value nearest to a 16-bit one.
 pub(crate) fn eight_from_sixteen(value: u16) -> u8 {
     ((u32::from(value) * 255 + 32_767) / 65_535) as u8
 }
 
-/// The working copy of 8-bit RGBA pixels: the pixels themselves where their profile is sRGB.
-pub(super) fn srgb8_from_eight(px: &Arc<[u8]>, icc: Option<&[u8]>, warnings: &mut Vec<String>) -> Arc<[u8]> {
-    let Some(profile) = icc.and_then(|icc| parse(icc, warnings)) else { return Arc::clone(px) };
+/// What makes the working copy of 8-bit RGBA pixels; none where their profile is sRGB and they are it themselves.
+pub(super) fn srgb8_from_eight(icc: Option<&[u8]>, warnings: &mut Vec<String>) -> Option<ToSrgb8> {
+    let profile = icc.and_then(|icc| parse(icc, warnings))?;
     let made = profile.create_transform_8bit(Layout::Rgba, &ColorProfile::new_srgb(), Layout::Rgba, options());
     let Ok(transform) = made else {
         warnings.push("the colour profile cannot be used, so the colours are taken as sRGB".to_owned());
-        return Arc::clone(px);
+        return None;
     };
-    if is_identity(&*transform) {
-        return Arc::clone(px);
-    }
-    let mut out = vec![0; px.len()];
-    convert(&*transform, px, &mut out);
-    out.into()
+    (!is_identity(&*transform)).then(|| {
+        let convert: ToSrgb8 = Arc::new(move |from, to| match from {
+            PixelsPart::Eight(from) if transform.transform(from, to).is_err() => to.copy_from_slice(from),
+            PixelsPart::Eight(_) => {}
+            PixelsPart::Sixteen(from) => narrow(from, to),
+        });
+        convert
+    })
 }
 
-/// The working copy of 16-bit RGBA pixels.
-pub(super) fn srgb8_from_sixteen(px: &[u16], icc: Option<&[u8]>, warnings: &mut Vec<String>) -> Arc<[u8]> {
+/// What makes the working copy of 16-bit RGBA pixels.
+pub(super) fn srgb8_from_sixteen(icc: Option<&[u8]>, warnings: &mut Vec<String>) -> ToSrgb8 {
     let transform = icc.and_then(|icc| parse(icc, warnings)).and_then(|profile| {
         profile.create_transform_16bit(Layout::Rgba, &ColorProfile::new_srgb(), Layout::Rgba, options()).ok()
     });
-    let narrow =
-        |from: &[u16], to: &mut [u8]| to.iter_mut().zip(from).for_each(|(to, &from)| *to = eight_from_sixteen(from));
-    let mut out = vec![0; px.len()];
-    out.par_chunks_mut(CHUNK * 4).zip(px.par_chunks(CHUNK * 4)).for_each(|(to, from)| {
+    Arc::new(move |from, to| {
+        let PixelsPart::Sixteen(from) = from else { return };
         let mut srgb = vec![0; from.len()];
         match &transform {
             Some(transform) if transform.transform(from, &mut srgb).is_ok() => narrow(&srgb, to),
             _ => narrow(from, to),
         }
-    });
-    out.into()
+    })
+}
+
+fn narrow(from: &[u16], to: &mut [u8]) {
+    to.iter_mut().zip(from).for_each(|(to, &from)| *to = eight_from_sixteen(from));
 }
 
 /// Grey samples with their own profile → sRGB grey.
@@ -105,12 +105,4 @@ fn is_identity(transform: &(dyn TransformExecutor<u8> + Send + Sync)) -> bool {
     let colors: Vec<u8> = (0..9 * 9 * 9).flat_map(|n| [level(n / 81), level(n / 9 % 9), level(n % 9), 255]).collect();
     let mut out = vec![0; colors.len()];
     transform.transform(&colors, &mut out).is_ok() && colors.iter().zip(&out).all(|(a, b)| a.abs_diff(*b) <= 1)
-}
-
-fn convert(transform: &(dyn TransformExecutor<u8> + Send + Sync), px: &[u8], out: &mut [u8]) {
-    out.par_chunks_mut(CHUNK * 4).zip(px.par_chunks(CHUNK * 4)).for_each(|(to, from)| {
-        if transform.transform(from, to).is_err() {
-            to.copy_from_slice(from);
-        }
-    });
 }

@@ -116,7 +116,7 @@ impl Raster {
         }
     }
 
-    /// The upright, opaque photo with its sRGB working copy; the copy shares memory with sRGB 8-bit pixels.
+    /// The upright, opaque photo with its sRGB working copy; sRGB 8-bit pixels are it themselves.
     pub(crate) fn into_photo(self) -> Result<(Photo, Vec<String>), Problem> {
         let mut warnings = self.warnings;
         let metadata = Metadata {
@@ -126,21 +126,24 @@ impl Raster {
             orientation: self.orientation,
         };
         let icc = metadata.icc.clone();
-        let (size, pixels, srgb8) = match self.samples {
+        let photo = match self.samples {
             Samples::Eight(px) => {
                 let (size, px) = orient(px, self.size, self.orientation);
-                let px: Arc<[u8]> = opaque(px, self.has_alpha).into_flattened().into();
-                let srgb8 = color::srgb8_from_eight(&px, icc.as_deref(), &mut warnings);
-                (size, PhotoPixels::Eight(px), srgb8)
+                let px = Arc::new(opaque(px, self.has_alpha).into_flattened());
+                let pixels = PhotoPixels::Eight(Arc::clone(&px));
+                match color::srgb8_from_eight(icc.as_deref(), &mut warnings) {
+                    Some(by) => Photo::converted(size, pixels, by, metadata)?,
+                    None => Photo::new(size, pixels, px, metadata)?,
+                }
             }
             Samples::Sixteen(px) => {
                 let (size, px) = orient(px, self.size, self.orientation);
-                let px: Arc<[u16]> = opaque(px, self.has_alpha).into_flattened().into();
-                let srgb8 = color::srgb8_from_sixteen(&px, icc.as_deref(), &mut warnings);
-                (size, PhotoPixels::Sixteen(px), srgb8)
+                let pixels = PhotoPixels::Sixteen(Arc::new(opaque(px, self.has_alpha).into_flattened()));
+                let by = color::srgb8_from_sixteen(icc.as_deref(), &mut warnings);
+                Photo::converted(size, pixels, by, metadata)?
             }
         };
-        Ok((Photo::new(size, pixels, srgb8, metadata)?, warnings))
+        Ok((photo, warnings))
     }
 
     /// EXIF orientation of a block that may be missing.

@@ -13,7 +13,9 @@ use super::surfaces::Surfaces;
 use super::{LensError, Rgbd};
 use crate::background::Beside;
 use crate::field::color::srgb8_from_linear;
-use crate::field::{DisparityMap, Mix, Photo, PhotoPixels, Size, Transfer, ViewPoint, bilinear, nearest, sides};
+use crate::field::{
+    DisparityMap, Mix, Photo, PhotoPixels, PixelsPart, Size, ToSrgb8, Transfer, ViewPoint, bilinear, nearest, sides,
+};
 use crate::job::{Job, Stage};
 
 /// A ray that is behind a surface by more than this, in pixels per view step of the map, has gone past its edge.
@@ -171,17 +173,18 @@ impl Front {
         // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
         let size = from.disparity.size();
         let map = DisparityMap::new(size, nearest(depth, self.size, size))?;
-        let transfer = &self.transfer;
-        let to_8 = |p: &[u16]| {
-            let of = |c: usize| srgb8_from_linear(transfer.linear_from_16(c, p[c]));
-            [of(0), of(1), of(2), u8::MAX]
-        };
-        let narrow: Vec<u8> = wide.chunks_exact(4).flat_map(to_8).collect();
+        let transfer = self.transfer.clone();
+        let by: ToSrgb8 = Arc::new(move |part, out| {
+            let PixelsPart::Sixteen(px) = part else { return };
+            for (i, (to, from)) in out.iter_mut().zip(px).enumerate() {
+                *to = if i % 4 < 3 { srgb8_from_linear(transfer.linear_from_16(i % 4, *from)) } else { u8::MAX };
+            }
+        });
         let mut metadata = from.photo.metadata().clone();
         if from.space == Space::Srgb {
             metadata.icc = None;
         }
-        let photo = Photo::new(self.size, PhotoPixels::Sixteen(wide.into()), narrow.into(), metadata)?;
+        let photo = Photo::converted(self.size, PhotoPixels::Sixteen(Arc::new(wide)), by, metadata)?;
         let photo = match from.photo.source() {
             Some(path) => photo.with_source(path),
             None => photo,
