@@ -66,8 +66,11 @@ pub struct Pixels {
 impl Pixels {
     /// Stored values of linear light, `[y, x, 3]`.
     pub fn from_linear(size: Size, rgb_linear: &[f32], bits: u8, transfer: &Transfer) -> Self {
-        let mut samples = Samples::with_room(bits, rgb_linear.len());
-        samples.push_linear(rgb_linear, transfer);
+        let samples = if bits > 8 {
+            Samples::Sixteen(stored(rgb_linear, |light, values| transfer.sixteen_bits(light, values)))
+        } else {
+            Samples::Eight(stored(rgb_linear, |light, values| transfer.eight_bits(light, values)))
+        };
         Self { size, samples }
     }
 
@@ -80,30 +83,11 @@ impl Pixels {
     }
 }
 
-impl Samples {
-    /// No values yet, but room for `len` of them.
-    pub fn with_room(bits: u8, len: usize) -> Self {
-        if bits > 8 { Self::Sixteen(Vec::with_capacity(len)) } else { Self::Eight(Vec::with_capacity(len)) }
-    }
-
-    /// Appends linear light, `[.., 3]`.
-    pub fn push_linear(&mut self, rgb_linear: &[f32], transfer: &Transfer) {
-        match self {
-            Self::Eight(px) => append(px, rgb_linear, |channel, light| transfer.eight_from_linear(channel, light)),
-            Self::Sixteen(px) => append(px, rgb_linear, |channel, light| transfer.sixteen_from_linear(channel, light)),
-        }
-    }
-}
-
-/// Appends the value of each light, by channel; on all cores.
-fn append<T: Copy + Default + Send>(values: &mut Vec<T>, rgb_linear: &[f32], value: impl Fn(usize, f32) -> T + Sync) {
+/// The values of light, `[.., 3]`; on all cores.
+fn stored<T: Copy + Default + Send>(rgb_linear: &[f32], store: impl Fn(&[f32], &mut [T]) + Sync) -> Vec<T> {
     const PIXELS: usize = 1 << 14;
-    let start = values.len();
-    values.resize(start + rgb_linear.len(), T::default());
-    let parts = values[start..].par_chunks_mut(3 * PIXELS).zip(rgb_linear.par_chunks(3 * PIXELS));
-    parts.for_each(|(values, lights)| {
-        for (pixel, light) in values.chunks_mut(3).zip(lights.chunks(3)) {
-            pixel.iter_mut().zip(light).enumerate().for_each(|(channel, (to, light))| *to = value(channel, *light));
-        }
-    });
+    let mut values = vec![T::default(); rgb_linear.len()];
+    let parts = values.par_chunks_mut(3 * PIXELS).zip(rgb_linear.par_chunks(3 * PIXELS));
+    parts.for_each(|(values, light)| store(light, values));
+    values
 }

@@ -99,6 +99,18 @@ impl Transfer {
     pub fn sixteen_from_linear(&self, channel: usize, light: f32) -> u16 {
         self.0[channel].sixteen.nearest(light)
     }
+
+    /// The 8-bit values of linear light, both `[.., 3]`.
+    pub fn eight_bits(&self, light: &[f32], values: &mut [u8]) {
+        let pixels = values.as_chunks_mut::<3>().0.iter_mut().zip(light.as_chunks::<3>().0);
+        pixels.for_each(|(pixel, light)| *pixel = std::array::from_fn(|c| self.eight_from_linear(c, light[c])));
+    }
+
+    /// The 16-bit values of linear light, both `[.., 3]`.
+    pub fn sixteen_bits(&self, light: &[f32], values: &mut [u16]) {
+        let pixels = values.as_chunks_mut::<3>().0.iter_mut().zip(light.as_chunks::<3>().0);
+        pixels.for_each(|(pixel, light)| *pixel = std::array::from_fn(|c| self.sixteen_from_linear(c, light[c])));
+    }
 }
 
 impl Curve {

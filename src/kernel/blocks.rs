@@ -71,30 +71,73 @@ fn huge(layout: Layout) -> Option<Layout> {
     Layout::from_size_align(len, PAGE_BYTES).ok()
 }
 
-/// Asks the system to back a fresh block with huge pages.
-fn advise(_address: *mut u8, _len: usize) {
-    #[cfg(target_os = "linux")]
-    if !_address.is_null() {
-        // SAFETY: the range was just allocated; the advice changes no content, and a refusal does no harm.
-        unsafe { libc::madvise(_address.cast(), _len, libc::MADV_HUGEPAGE) };
+/// A fresh block of zeros on huge pages, which are there once somebody writes to them: by that thread then.
+#[cfg(target_os = "linux")]
+fn fresh(len: usize) -> *mut u8 {
+    use std::ptr::null_mut;
+    let Some(all) = len.checked_add(PAGE_BYTES) else { return null_mut() };
+    let (rights, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_PRIVATE | libc::MAP_ANONYMOUS);
+    // SAFETY: a mapping of its own, which touches no other.
+    let start = unsafe { libc::mmap(null_mut(), all, rights, kind, -1, 0) };
+    if start == libc::MAP_FAILED {
+        return null_mut();
     }
+    let before = start.addr().next_multiple_of(PAGE_BYTES) - start.addr();
+    let block = start.wrapping_byte_add(before);
+    // SAFETY: both parts lie within the mapping, beside the block; the advice changes no content, and a refusal does no harm.
+    unsafe {
+        if before > 0 {
+            libc::munmap(start, before);
+        }
+        libc::munmap(block.wrapping_byte_add(len), PAGE_BYTES - before);
+        libc::madvise(block, len, libc::MADV_HUGEPAGE);
+    }
+    block.cast()
 }
 
-// SAFETY: small blocks are the system allocator's from end to end. A large one is allocated and freed with the same
-// rounded layout, and between the two it is either in use or kept, never both: `take` and `keep` hold the lock.
+/// Gives a block back to the system.
+///
+/// # Safety
+/// It came from [`fresh`], with this length, and nobody uses it.
+#[cfg(target_os = "linux")]
+unsafe fn free(block: *mut u8, len: usize) {
+    // SAFETY: the caller's word.
+    unsafe { libc::munmap(block.cast(), len) };
+}
+
+/// Elsewhere no block is a large one (see [`huge`]).
+#[cfg(not(target_os = "linux"))]
+fn fresh(_len: usize) -> *mut u8 {
+    std::ptr::null_mut()
+}
+
+#[cfg(not(target_os = "linux"))]
+unsafe fn free(_block: *mut u8, _len: usize) {}
+
+fn kept(len: usize) -> Option<*mut u8> {
+    KEPT.lock().unwrap_or_else(PoisonError::into_inner).take(len).map(|address| address as *mut u8)
+}
+
+// SAFETY: small blocks are the system allocator's from end to end. A large one is mapped and unmapped with the same rounded
+// length, and between the two it is either in use or kept, never both: `take` and `keep` hold the lock.
 unsafe impl GlobalAlloc for LargeBlocks {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        match huge(layout) {
+            Some(block) => kept(block.size()).unwrap_or_else(|| fresh(block.size())),
+            // SAFETY: the caller's word.
+            None => unsafe { System.alloc(layout) },
+        }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         let Some(block) = huge(layout) else {
             // SAFETY: the caller's word.
-            return unsafe { System.alloc(layout) };
+            return unsafe { System.alloc_zeroed(layout) };
         };
-        if let Some(address) = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take(block.size()) {
-            return address as *mut u8;
-        }
-        // SAFETY: the length is not 0.
-        let address = unsafe { System.alloc(block) };
-        advise(address, block.size());
-        address
+        let Some(used) = kept(block.size()) else { return fresh(block.size()) };
+        // SAFETY: nobody else has it, and it is as long.
+        unsafe { used.write_bytes(0, layout.size()) };
+        used
     }
 
     unsafe fn dealloc(&self, address: *mut u8, layout: Layout) {
@@ -110,8 +153,8 @@ unsafe impl GlobalAlloc for LargeBlocks {
             kept.keep((address as usize, block.size()), self.most_bytes, &mut pushed)
         };
         for &(address, len) in &pushed[..count] {
-            // SAFETY: it was allocated with this length and alignment, and is no longer kept.
-            unsafe { System.dealloc(address as *mut u8, Layout::from_size_align_unchecked(len, PAGE_BYTES)) };
+            // SAFETY: it was mapped with this length, and is no longer kept.
+            unsafe { free(address as *mut u8, len) };
         }
     }
 }
@@ -132,7 +175,12 @@ mod tests {
             a.write_bytes(1, layout.size());
             blocks.dealloc(a, layout);
             assert_eq!(blocks.alloc(layout), a);
+            a.write_bytes(1, layout.size());
             blocks.dealloc(a, layout);
+            let zeros = blocks.alloc_zeroed(layout);
+            assert_eq!(zeros, a, "kept blocks are used for zeros too");
+            assert!(std::slice::from_raw_parts(zeros, layout.size()).iter().all(|byte| *byte == 0));
+            blocks.dealloc(zeros, layout);
             blocks.dealloc(b, layout);
         }
     }

@@ -29,8 +29,8 @@ impl Space {
 /// Where light comes from.
 #[derive(Clone)]
 pub(super) enum Light {
-    Eight { size: Size, px: Arc<[u8]>, transfer: Transfer },
-    Sixteen { size: Size, px: Arc<[u16]>, transfer: Transfer },
+    Eight { size: Size, px: Arc<Vec<u8>>, transfer: Transfer },
+    Sixteen { size: Size, px: Arc<Vec<u16>>, transfer: Transfer },
     Linear { size: Size, px: Arc<[[f32; 3]]> },
 }
 
@@ -69,19 +69,25 @@ impl Light {
     /// Pixels of a row from `x`, as many as fit into `out`; outside the picture the edge goes on.
     pub(super) fn row(&self, x: i32, y: i32, out: &mut [[f32; 3]]) {
         let [width, height] = self.size().map(|s| s as i32);
-        let y = y.clamp(0, height - 1) as usize;
-        let columns = (x..).map(|x| x.clamp(0, width - 1) as usize);
-        let start = y * width as usize;
+        let start = y.clamp(0, height - 1) as usize * width as usize;
+        // What lies beside the picture, and what lies in it.
+        let left = (-x).clamp(0, out.len() as i32) as usize;
+        let inside = (width - x.max(0)).clamp(0, (out.len() - left) as i32) as usize;
+        let (before, rest) = out.split_at_mut(left);
+        let (within, after) = rest.split_at_mut(inside);
+        before.fill_with(|| self.pixel(start));
+        after.fill_with(|| self.pixel(start + width as usize - 1));
+        let first = start + x.clamp(0, width - 1) as usize;
         match self {
-            Self::Eight { px, transfer, .. } => out.iter_mut().zip(columns).for_each(|(pixel, x)| {
-                let at = (start + x) * 4;
-                *pixel = std::array::from_fn(|c| transfer.linear_from_8(c, px[at + c]));
-            }),
-            Self::Sixteen { px, transfer, .. } => out.iter_mut().zip(columns).for_each(|(pixel, x)| {
-                let at = (start + x) * 4;
-                *pixel = std::array::from_fn(|c| transfer.linear_from_16(c, px[at + c]));
-            }),
-            Self::Linear { px, .. } => out.iter_mut().zip(columns).for_each(|(pixel, x)| *pixel = px[start + x]),
+            Self::Eight { px, transfer, .. } => {
+                let pixels = px.as_chunks::<4>().0[first..].iter().zip(within);
+                pixels.for_each(|(px, out)| *out = std::array::from_fn(|c| transfer.linear_from_8(c, px[c])));
+            }
+            Self::Sixteen { px, transfer, .. } => {
+                let pixels = px.as_chunks::<4>().0[first..].iter().zip(within);
+                pixels.for_each(|(px, out)| *out = std::array::from_fn(|c| transfer.linear_from_16(c, px[c])));
+            }
+            Self::Linear { px, .. } => within.copy_from_slice(&px[first..first + inside]),
         }
     }
 

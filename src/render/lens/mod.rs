@@ -9,6 +9,7 @@
 //! * `rays`: light on its way, by pixels, or by blocks where it is spread widely.
 //! * `spread`: one slice of it over a tile, put behind what is nearer.
 //! * `tile`: from the near side to the far one, a tile at a time, so that memory does not follow the photo's size.
+//! * `tiles`: all tiles of a region, on all cores.
 //!
 //! The blur that is added is a disc of diameter `√(n² − 1)·|D − D_f|·s` pixels, with `n = 28 / N` views across the
 //! aperture and `s` the picture's pixels per pixel of the disparity map.
@@ -34,23 +35,19 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 mod tile;
+mod tiles;
 mod viewpoint;
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples, pixels, sides};
-use crate::job::{Cancelled, Job, Stage};
+use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples};
+use crate::job::{Cancelled, Job};
 use crate::render::Picture;
 
 use behind::Behind;
 use bounds::Bounds;
-use kernel::Kernels;
 use light::Light;
-use rays::BLOCK;
 use surfaces::Surfaces;
-use tile::{Optics, Pool};
 
 pub use behind::Revealed;
 #[cfg(feature = "ui")]
@@ -169,15 +166,17 @@ pub fn render(scene: &Rgbd, lens: &Lens, size: [u32; 2], job: &Job) -> Result<Pi
     prepared.render(lens, whole, job)
 }
 
-/// Renders a whole picture straight into stored values of 8 or 16 bits, so that light is held for a band only: what
+/// Renders a whole picture straight into stored values of 8 or 16 bits, so that light is held for a few tiles only: what
 /// large photos are exported with. They are stored with the curve of the scene's [`Space`].
 pub fn render_pixels(scene: &Rgbd, lens: &Lens, size: [u32; 2], bits: u8, job: &Job) -> Result<Pixels, LensError> {
     let transfer = scene.space.transfer(&scene.photo);
     let prepared = scene.prepare(size);
-    let [width, height] = sides(prepared.size);
-    let mut samples = Samples::with_room(bits, width * height * 3);
     let whole = Region { at: [0; 2], size: prepared.size };
-    prepared.render_bands(lens, whole, job, |band| samples.push_linear(band, &transfer))?;
+    let samples = if bits > 8 {
+        Samples::Sixteen(prepared.tiles(lens, whole, job, |light, values| transfer.sixteen_bits(light, values))?)
+    } else {
+        Samples::Eight(prepared.tiles(lens, whole, job, |light, values| transfer.eight_bits(light, values))?)
+    };
     Ok(Pixels { size: prepared.size, samples })
 }
 
@@ -189,105 +188,7 @@ impl Prepared {
 
     /// Renders a region. Regions of one picture fit together without a seam.
     pub fn render(&self, lens: &Lens, region: Region, job: &Job) -> Result<Picture, LensError> {
-        let mut rgb_linear = Vec::with_capacity(pixels(region.size) * 3);
-        self.render_bands(lens, region, job, |band| rgb_linear.extend_from_slice(band))?;
+        let rgb_linear = self.tiles(lens, region, job, |light, values: &mut [f32]| values.copy_from_slice(light))?;
         Ok(Picture { size: region.size, rgb_linear })
     }
-
-    /// Renders a region from top to bottom and hands over band after band, `[y, x, 3]` of the region's width.
-    pub fn render_bands(
-        &self,
-        lens: &Lens,
-        region: Region,
-        job: &Job,
-        mut take: impl FnMut(&[f32]),
-    ) -> Result<(), LensError> {
-        let optics = self.optics(lens);
-        let magenta = lens.magenta();
-        let magenta = magenta.as_ref().map(|lens| self.optics(lens));
-        let grain = grain::Grain::of(&self.light, lens.grain);
-        let side = tile_side(optics.reach);
-        let pool = Pool::default();
-        let [width, height] = region.size;
-        let columns: Vec<u32> = (0..width).step_by(side as usize).collect();
-        let tops: Vec<u32> = (0..height).step_by(side as usize).collect();
-        for (done, &top) in tops.iter().enumerate() {
-            job.advance(Stage::Refocus, done as u32, tops.len() as u32)?;
-            let rows = side.min(height - top);
-            let tiles: Vec<(u32, Vec<f32>)> = columns
-                .par_iter()
-                .filter(|_| job.check().is_ok())
-                .map(|&left| {
-                    let size = [side.min(width - left), rows];
-                    let tile = Region { at: [region.at[0] + left, region.at[1] + top], size };
-                    (left, self.tile(&optics, magenta.as_ref(), tile, &grain, &pool))
-                })
-                .collect();
-            job.check()?;
-            take(&joined(&tiles, width as usize, rows as usize));
-        }
-        Ok(job.advance(Stage::Refocus, tops.len() as u32, tops.len() as u32)?)
-    }
-
-    /// A tile through the lens; red and blue through another, where they are sharp elsewhere.
-    fn tile(
-        &self,
-        optics: &Optics,
-        magenta: Option<&Optics>,
-        tile: Region,
-        grain: &grain::Grain,
-        pool: &Pool,
-    ) -> Vec<f32> {
-        let mut out = vec![0.0; (tile.size[0] * tile.size[1] * 3) as usize];
-        if optics.gain == 0.0 {
-            let width = tile.size[0] as usize;
-            let mut row = vec![[0.0; 3]; width];
-            for (y, out) in out.chunks_exact_mut(width * 3).enumerate() {
-                self.light.row(tile.at[0] as i32, tile.at[1] as i32 + y as i32, &mut row);
-                out.copy_from_slice(row.as_flattened());
-            }
-            return out;
-        }
-        let mut bench = pool.take();
-        bench.render(self, optics, tile, &mut out);
-        if let Some(magenta) = magenta {
-            let mut other = vec![0.0; out.len()];
-            bench.render(self, magenta, tile, &mut other);
-            let pixels = out.chunks_exact_mut(3).zip(other.chunks_exact(3));
-            pixels.for_each(|(pixel, other)| (pixel[0], pixel[2]) = (other[0], other[2]));
-        }
-        pool.give(bench);
-        grain.add(self, optics, tile, &mut out);
-        out
-    }
-
-    fn optics<'a>(&self, lens: &'a Lens) -> Optics<'a> {
-        let scale = self.size[0] as f32 / self.surfaces.map_size()[0] as f32;
-        let gain = lens.f_number.added_views() * scale;
-        // The farthest from what is sharp lies in a corner, or in the middle of a curved surface.
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
-        let blurs =
-            self.surfaces.range_px().into_iter().flat_map(|d| corners.map(|[x, y]| lens.defocus_px(d, x, y).abs()));
-        let widest = gain * blurs.fold(0.0, f32::max);
-        let kernels = Kernels::new(lens.shape.clone(), lens.glass, widest, self.size);
-        Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, size: self.size }
-    }
-}
-
-/// Side of a tile: with a wide margin around it, small tiles would be mostly margin.
-fn tile_side(reach: i32) -> u32 {
-    (6 * reach as u32).next_multiple_of(64).clamp(256, 1024)
-}
-
-/// Tiles beside each other as one band.
-fn joined(tiles: &[(u32, Vec<f32>)], width: usize, rows: usize) -> Vec<f32> {
-    let mut band = vec![0.0; width * rows * 3];
-    for (left, tile) in tiles {
-        let len = tile.len() / rows;
-        for (y, row) in tile.chunks_exact(len).enumerate() {
-            let start = (y * width + *left as usize) * 3;
-            band[start..start + len].copy_from_slice(row);
-        }
-    }
-    band
 }

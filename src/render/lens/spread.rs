@@ -47,8 +47,8 @@ fn both(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
     [a[0].min(b[0]), a[1].max(b[1])]
 }
 
-impl Spread {
-    pub(super) fn new() -> Self {
+impl Default for Spread {
+    fn default() -> Self {
         let sheets = std::array::from_fn(|level| Sheet {
             level,
             at: [0; 2],
@@ -63,7 +63,9 @@ impl Spread {
         });
         Self { sheets, still: Vec::new(), still_rows: NO_ROWS, still_columns: NO_ROWS }
     }
+}
 
+impl Spread {
     /// Begins another tile. All grids are empty then: each slice clears what it has put there.
     pub(super) fn begin(&mut self, region: Region) {
         let at = region.at.map(|at| at as i32);

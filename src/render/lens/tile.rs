@@ -15,7 +15,7 @@ use super::pixel::{Reader, Row};
 use super::rays::{BLOCK, LEVELS, Piece, SHARP_PX, Slices, slice_of};
 use super::spread::Spread;
 use super::surfaces::{MIXTURE, Seen};
-use crate::field::{Lens, ramp};
+use crate::field::{Lens, pixels, ramp, sides};
 
 /// A part of the picture, in its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,11 +47,14 @@ impl Optics<'_> {
 }
 
 /// What a thread renders tiles with, kept from tile to tile: fresh memory costs more than what is put into it.
+#[derive(Default)]
 pub(super) struct Bench {
     slices: Slices,
     spread: Spread,
     front: Vec<[f32; 4]>,
     colors: Vec<[f32; 3]>,
+    /// The tile, `[y, x, 3]`.
+    light: Vec<f32>,
 }
 
 /// Benches that no thread works at.
@@ -60,9 +63,7 @@ pub(super) struct Pool(Mutex<Vec<Bench>>);
 
 impl Pool {
     pub(super) fn take(&self) -> Bench {
-        let free = self.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let new = || Bench { slices: Slices::new(), spread: Spread::new(), front: Vec::new(), colors: Vec::new() };
-        free.unwrap_or_else(new)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default()
     }
 
     pub(super) fn give(&self, bench: Bench) {
@@ -71,21 +72,36 @@ impl Pool {
 }
 
 impl Bench {
-    /// Renders a region; `out` is `[y, x, 3]`.
-    pub(super) fn render(&mut self, picture: &Prepared, optics: &Optics, region: Region, out: &mut [f32]) {
+    /// The light of the tile.
+    pub(super) fn light(&mut self) -> &mut [f32] {
+        &mut self.light
+    }
+
+    /// A region as it is.
+    pub(super) fn sharp(&mut self, picture: &Prepared, region: Region) -> &[f32] {
+        let [width, height] = sides(region.size);
+        self.light.resize(width * height * 3, 0.0);
+        let rows = (region.at[1] as i32..).zip(self.light.as_chunks_mut().0.chunks_exact_mut(width));
+        rows.for_each(|(y, row)| picture.light.row(region.at[0] as i32, y, row));
+        &self.light
+    }
+
+    /// Renders a region.
+    pub(super) fn render(&mut self, picture: &Prepared, optics: &Optics, region: Region) {
         self.gather(picture, optics, region);
         self.front.clear();
-        self.front.resize((region.size[0] * region.size[1]) as usize, [0.0, 0.0, 0.0, 1.0]);
+        self.front.resize(pixels(region.size), [0.0, 0.0, 0.0, 1.0]);
         self.spread.begin(region);
         let lit = |lists: &&[Vec<_>; LEVELS]| lists.iter().any(|rays| !rays.is_empty());
         for rays in self.slices.rays.iter().rev().filter(lit) {
             self.spread.put_behind(rays, optics, &mut self.front);
         }
-        for (pixel, [r, g, b, left]) in out.chunks_exact_mut(3).zip(&self.front) {
+        self.light.clear();
+        self.light.extend(self.front.iter().flat_map(|[r, g, b, left]| {
             let covered = 1.0 - left;
             let share = if covered > 0.0 { 1.0 / covered } else { 0.0 };
-            pixel.copy_from_slice(&[r * share, g * share, b * share]);
-        }
+            [r * share, g * share, b * share]
+        }));
     }
 
     /// All light that reaches a region, block by block of the picture's grid.
@@ -118,10 +134,13 @@ impl Bench {
                 let colors = Colors { px: &self.colors[block * BLOCK - left..], wide };
                 if widest < STILL_PX {
                     colors.each(|[x, y], color| self.slices.stay([place[0] + x as i32, place[1] + y as i32], color));
-                } else if picture.bounds.is_plain(place) {
-                    send_plain(&mut self.slices, optics, &reader, &rows, place, block * BLOCK, colors);
+                    continue;
+                }
+                let block = Block { optics, reader: &reader, rows: &rows, place, left: block * BLOCK, colors };
+                if picture.bounds.is_plain(place) {
+                    block.send_plain(&mut self.slices);
                 } else {
-                    send(&mut self.slices, optics, &reader, &rows, place, block * BLOCK, colors);
+                    block.send(&mut self.slices);
                 }
             }
         }
@@ -146,48 +165,48 @@ impl Colors<'_> {
     }
 }
 
-/// Sends the light of a block of one surface, which begins at `place` and at column `left` of the reader.
-fn send_plain(
-    slices: &mut Slices,
-    optics: &Optics,
-    reader: &Reader,
-    rows: &[Row; BLOCK],
+/// A block on its way: where it begins in the picture and among the reader's columns, its rows, and its colours.
+struct Block<'a> {
+    optics: &'a Optics<'a>,
+    reader: &'a Reader<'a>,
+    rows: &'a [Row; BLOCK],
     place: [i32; 2],
     left: usize,
-    colors: Colors,
-) {
-    let mut pieces = [Piece::default(); BLOCK * BLOCK];
-    colors.each(|[x, y], color| {
-        let disparity_px = reader.disparity(&rows[y], left + x);
-        let blur = optics.blur(disparity_px, place[0] + x as i32, place[1] + y as i32);
-        pieces[y * BLOCK + x] = Piece::new(recovered(color, optics.lens.highlights, blur), 1.0, blur);
-    });
-    slices.send_block(place, &mut pieces);
+    colors: Colors<'a>,
 }
 
-/// Sends the light of a block, which begins at `place` and at column `left` of the reader.
-fn send(
-    slices: &mut Slices,
-    optics: &Optics,
-    reader: &Reader,
-    rows: &[Row; BLOCK],
-    place: [i32; 2],
-    left: usize,
-    colors: Colors,
-) {
-    let mut before = [Piece::default(); BLOCK * BLOCK];
-    let mut after = [Piece::default(); BLOCK * BLOCK];
-    let mut any_behind = false;
-    colors.each(|[x, y], color| {
-        let (seen, hidden) = reader.at(&rows[y], left + x, &color);
-        let [first, second] = pieces(optics, [place[0] + x as i32, place[1] + y as i32], color, seen, hidden);
-        any_behind |= !second.is_empty();
-        before[y * BLOCK + x] = first;
-        after[y * BLOCK + x] = second;
-    });
-    slices.send_block(place, &mut before);
-    if any_behind {
-        slices.send_block(place, &mut after);
+impl Block<'_> {
+    fn at(&self, [x, y]: [usize; 2]) -> [i32; 2] {
+        [self.place[0] + x as i32, self.place[1] + y as i32]
+    }
+
+    /// Sends the light of a block of one surface.
+    fn send_plain(self, slices: &mut Slices) {
+        let mut pieces = [Piece::default(); BLOCK * BLOCK];
+        self.colors.each(|[x, y], color| {
+            let [at_x, at_y] = self.at([x, y]);
+            let blur = self.optics.blur(self.reader.disparity(&self.rows[y], self.left + x), at_x, at_y);
+            pieces[y * BLOCK + x] = Piece::new(recovered(color, self.optics.lens.highlights, blur), 1.0, blur);
+        });
+        slices.send_block(self.place, &mut pieces);
+    }
+
+    /// Sends the light of any block.
+    fn send(self, slices: &mut Slices) {
+        let mut before = [Piece::default(); BLOCK * BLOCK];
+        let mut after = [Piece::default(); BLOCK * BLOCK];
+        let mut any_behind = false;
+        self.colors.each(|[x, y], color| {
+            let (seen, hidden) = self.reader.at(&self.rows[y], self.left + x, &color);
+            let [first, second] = pieces(self.optics, self.at([x, y]), color, seen, hidden);
+            any_behind |= !second.is_empty();
+            before[y * BLOCK + x] = first;
+            after[y * BLOCK + x] = second;
+        });
+        slices.send_block(self.place, &mut before);
+        if any_behind {
+            slices.send_block(self.place, &mut after);
+        }
     }
 }
 

@@ -29,7 +29,7 @@ impl Counts {
 
     /// The tables with which they take the fewest bits.
     pub(super) fn tables(&self) -> [Table; TABLES] {
-        self.0.each_ref().map(|counts| Table::best(counts))
+        self.0.each_ref().map(Table::best)
     }
 }
 

@@ -1,5 +1,6 @@
 //! What depth does to the picture where it is wrong, and where it lets work be left out.
 
+use super::super::rays::BLOCK;
 use super::*;
 
 /// A map as a net makes it: every edge `off` pixels to the right, and 5 % of the map at a wrong depth, in specks.
