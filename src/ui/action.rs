@@ -9,6 +9,7 @@ use super::dialog::Dialog;
 use super::film::Cut;
 use super::hints::Hint;
 use super::jobs::OpenFrom;
+use super::words::Message;
 use super::worker::JobId;
 use crate::field::{Opening, ViewOffset};
 use crate::io::formats::depth_map::GivenDepth;
@@ -28,9 +29,9 @@ pub enum Action {
     /// Takes the dialog away.
     CloseDialog,
     /// Says what a person should know.
-    Tell(String),
+    Tell(Message),
     /// Says why something cannot be done.
-    Refuse(&'static str),
+    Refuse(Message),
     /// Looks from another place.
     LookFrom(ViewOffset),
     /// Focuses where the subject most likely is.
@@ -73,7 +74,7 @@ impl Action {
     /// What a report of a fault says of it: no path, nothing that was typed.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Do(command) => command.spec().label,
+            Self::Do(command) => command.spec().name.0,
             Self::Open(_) => "open",
             Self::Ask(_) => "ask the system for a file",
             Self::Show(_) => "show a dialog",

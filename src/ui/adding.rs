@@ -8,6 +8,7 @@ use egui::{Color32, ColorImage};
 use super::event::{Event, Listed};
 use super::jobs::ToWindow;
 use super::near_end;
+use super::words::{self, Id, Message, id, message};
 use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::job::{Cancel, Job};
@@ -40,7 +41,7 @@ pub struct Card {
     /// Its name.
     pub name: String,
     /// Name and value of what a person wants to know: family, size, time, licence, correlation.
-    pub facts: Vec<(&'static str, String)>,
+    pub facts: Vec<(Id, Message)>,
     /// What a person must know before using its pictures.
     pub warning: Option<&'static str>,
     /// The sample, and what the net says of it; small, near is red.
@@ -50,15 +51,15 @@ pub struct Card {
 impl Card {
     fn new(net: &Adopted) -> Self {
         let licence = match net.manifest.licence.as_str() {
-            "" => "not known: look where you got it".to_owned(),
-            licence => licence.to_owned(),
+            "" => message!("licence-unknown"),
+            licence => Message::heard(licence),
         };
         let facts = vec![
-            ("Family", net.family.unwrap_or("not known").to_owned()),
-            ("Size", format!("{:.0} MB", net.bytes as f64 / 1e6)),
-            ("Time", format!("{:.1} s a photo", net.seconds)),
-            ("Licence", licence),
-            ("Order of the sample's depth", format!("correlation {:.2}", net.correlation)),
+            (id!("fact-family"), net.family.map_or(message!("unknown"), Message::heard)),
+            (id!("fact-size"), message!("megabytes", size = words::fixed(net.bytes as f64 / 1e6, 0))),
+            (id!("fact-time"), message!("seconds-a-photo", secs = words::fixed(net.seconds, 1))),
+            (id!("fact-licence"), licence),
+            (id!("fact-order"), message!("correlation", value = words::fixed(net.correlation, 2))),
         ];
         let source = DepthFrom::Net(net.manifest.tag());
         let pictures = [Arc::new(sample()), Arc::new(near_end::small(&net.depth.disparity()))];
@@ -81,14 +82,13 @@ pub fn worker(maker: Arc<Maker>) -> impl Work<Request> {
         let sink = ToWindow { job, outbox };
         let task = Job { cancel, sink: &sink };
         let Some(shelf) = request.making.shelf.clone() else {
-            let text = "the system names no folder for nets — set HOME — then add it again";
-            outbox.send(job, Event::Failed(text.to_owned()));
+            outbox.send(job, Event::Failed(message!("no-folder-for-nets")));
             return;
         };
         let event = match change(&request.what, &shelf, &task) {
             Ok(event) => event,
             Err(AdoptError::Cancelled(_)) => Event::Stopped,
-            Err(error) => Event::Failed(sentence(&error)),
+            Err(error) => Event::Failed(sentence(&error).into()),
         };
         maker.forget_nets();
         outbox.send(job, Event::Models(listed(&request.making)));

@@ -295,7 +295,7 @@ impl eframe::App for App {
         match self.window.unkept().map(|keep| keep.write()) {
             Some(Err(why)) => log::error!("{why}"),
             Some(Ok(Some(theirs))) => {
-                log::error!("a photo was edited elsewhere meanwhile; {}", history::kept_as(&theirs))
+                log::error!("{}", history::edited_elsewhere(&theirs).in_english())
             }
             Some(Ok(None)) | None => {}
         }

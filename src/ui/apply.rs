@@ -21,6 +21,7 @@ use super::open::Open;
 use super::queue::State;
 use super::saver::{Order, Queued, Shown};
 use super::window::Window;
+use super::words::{message, t};
 use crate::crash;
 use crate::field::{LensShape, ViewOffset, ViewPoint};
 use crate::io::formats::layout::Layout;
@@ -43,7 +44,7 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
         }
         Action::Show(dialog) => window.dialog = Some(dialog),
         Action::CloseDialog => window.dialog = None,
-        Action::Tell(text) => window.toasts.info(&text),
+        Action::Tell(text) => window.toasts.info(text),
         Action::Refuse(why) => window.toasts.error(why),
         Action::LookFrom(at) => {
             window.look.is_circling = false;
@@ -61,7 +62,7 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
         Action::TakePreset(recipe) => {
             window.edit = recipe.lens_over(&window.edit);
             window.settings.export.picture = recipe.export.clone();
-            window.toasts.info("Applied the preset to lens and export");
+            window.toasts.info(message!("preset-applied"));
         }
         Action::KeepPreset(name) => {
             let recipe = Box::new(window.recipe());
@@ -190,7 +191,7 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
             window.dialog = Some(Dialog::Export(Vec::new()));
         }
         Command::Queue => window.queue.is_open = !window.queue.is_open,
-        Command::CopyPicture => save_shown(window, None, "Copy picture".to_owned()),
+        Command::CopyPicture => save_shown(window, None, t!("command-copy-picture").to_owned()),
         Command::Settings => window.dialog = Some(Dialog::Settings),
         Command::Stop => stop(window, ctx),
         Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
@@ -205,7 +206,7 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         Command::Repair => hold_repair(window),
         Command::CopyEdit => {
             ctx.copy_text(window.recipe().to_json());
-            window.toasts.info("Copied the edit: paste it over another photo");
+            window.toasts.info(message!("edit-copied"));
         }
         Command::ResetLens => {
             window.edit = Edit { viewpoint: window.edit.viewpoint, ..Edit::default() };
@@ -368,7 +369,7 @@ fn step_layer(window: &mut Window, is_nearer: bool) {
 /// Applies an edit of another photo: its place is in focus here too.
 fn paste_edit(window: &mut Window, recipe: &Recipe) {
     let Some(subject) = window.open.subject() else {
-        window.toasts.error("the edit cannot be applied — nothing is open — open a photo first");
+        window.toasts.error(message!("edit-no-photo"));
         return;
     };
     window.edit = recipe.edit(window.making().view_size(subject)[0]);
@@ -378,7 +379,7 @@ fn paste_edit(window: &mut Window, recipe: &Recipe) {
     }
     let at = window.edit.viewpoint.0;
     look_from(window, at);
-    window.toasts.info("Applied the edit");
+    window.toasts.info(message!("edit-applied"));
 }
 
 /// Starts the export that the dialog describes: of other photos, or of what is open.
@@ -404,7 +405,7 @@ fn start_export(window: &mut Window, photos: Vec<PathBuf>) {
 /// Saves what is shown, or copies it where there is no target.
 fn save_shown(window: &mut Window, target: Option<PathBuf>, title: String) {
     let Some(scene) = window.open.scene().cloned() else {
-        window.toasts.error("nothing to export yet — the light field is still being made — wait for it to end");
+        window.toasts.error(message!("nothing-to-export"));
         return;
     };
     let recipe = window.recipe().of_depth(window.source.clone());

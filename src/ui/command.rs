@@ -1,5 +1,6 @@
 //! Every command of the menu, in one list: it gives the menu, the shortcut sheet and the tool tips.
 
+use super::words::{Id, id};
 use egui::{Key, KeyboardShortcut, Modifiers};
 
 /// One thing to do.
@@ -69,26 +70,47 @@ pub enum Command {
 #[derive(Clone, Copy, Debug)]
 pub struct Spec {
     /// Where it stands in menu and sheet.
-    pub group: &'static str,
+    pub group: Id,
     /// Its name; `…` where a dialog follows.
-    pub label: &'static str,
-    /// What it does, for the tool tip.
-    pub hint: &'static str,
+    pub name: Id,
     /// Its key.
     pub shortcut: Option<KeyboardShortcut>,
 }
 
-/// What the mouse does, for the shortcut sheet.
-pub const MOUSE: [(&str, &str); 9] = [
-    ("Drag the picture", "Look round"),
-    ("Click the picture", "Focus there"),
-    ("Shift-click", "Keep this sharp, too"),
-    ("Ctrl-click", "Turn around this while looking round"),
-    ("Wheel", "Zoom at the pointer"),
-    ("Middle drag, Space + drag", "Move the picture"),
-    ("Drag in an epipolar image", "Set a thing's depth"),
-    ("Hold \\", "Show the photo itself"),
-    ("Double-click a value's name", "Reset it"),
+impl Spec {
+    /// Its name in the language of the window.
+    pub fn label(&self) -> &'static str {
+        self.name.text()
+    }
+
+    /// What it does, for the tool tip.
+    pub fn hint(&self) -> &'static str {
+        self.name.hint()
+    }
+}
+
+const FILE: Id = id!("menu-file");
+const EDIT: Id = id!("menu-edit");
+const VIEWPOINT: Id = id!("menu-viewpoint");
+const FILM: Id = id!("menu-film");
+const VIEW: Id = id!("menu-view");
+const LIGHT_FIELD: Id = id!("menu-light-field");
+const HELP: Id = id!("menu-help");
+
+/// The headings of the sheet's two columns.
+pub const SHEET: ([Id; 4], [Id; 2]) = ([EDIT, VIEWPOINT, LIGHT_FIELD, HELP], [VIEW, FILE]);
+
+/// What the mouse does, for the shortcut sheet, and with which movement.
+pub const MOUSE: [Id; 9] = [
+    id!("mouse-drag"),
+    id!("mouse-click"),
+    id!("mouse-shift-click"),
+    id!("mouse-ctrl-click"),
+    id!("mouse-wheel"),
+    id!("mouse-pan"),
+    id!("mouse-epipolar"),
+    id!("mouse-hold"),
+    id!("mouse-double-click"),
 ];
 
 impl Command {
@@ -153,90 +175,75 @@ impl Command {
         Self::Shortcuts,
     ];
 
-    /// Label, hint and key.
+    /// Heading, name and key.
     pub fn spec(self) -> Spec {
-        let (group, label, hint, shortcut) = match self {
-            Self::Open => ("File", "Open…", "Open a photo or a light field", ctrl(Key::O)),
-            Self::OpenFolder => ("File", "Open folder…", "Open a folder of views", shift(Key::O)),
-            Self::OpenSample => ("File", "Try the sample", "Open the built-in picture", None),
-            Self::Paste => {
-                ("File", "Paste", "Open the picture or path in the clipboard, or apply the edit in it", ctrl(Key::V))
-            }
-            Self::PreviousPhoto => ("File", "Previous photo", "Open the photo before this one", ctrl(Key::ArrowLeft)),
-            Self::NextPhoto => ("File", "Next photo", "Open the photo after this one", ctrl(Key::ArrowRight)),
-            Self::Export => ("File", "Export…", "Save the picture, or anything else it can become", ctrl(Key::S)),
-            Self::ExportPhotos => ("File", "Export photos…", "Export other photos with this edit", shift(Key::S)),
-            Self::Queue => ("File", "Queue", "What is being exported, and what waits", ctrl(Key::J)),
-            Self::Settings => ("File", "Settings…", "Theme, light field, models", ctrl(Key::Comma)),
-            Self::CopyPicture => ("File", "Copy picture", "Put the picture into the clipboard", ctrl(Key::C)),
-            Self::Stop => ("File", "Stop", "Stop what is running", key(Key::Escape)),
-            Self::Quit => ("File", "Quit", "Close the window", ctrl(Key::Q)),
-            Self::Undo => ("Edit", "Undo", "Take the last edit back", ctrl(Key::Z)),
-            Self::Redo => ("Edit", "Redo", "Do the last edit again", ctrl(Key::Y)),
-            Self::CopyEdit => ("Edit", "Copy edit", "Put lens, focus and viewpoint into the clipboard", shift(Key::C)),
-            Self::PasteEdit => ("Edit", "Paste edit", "Apply the edit in the clipboard", shift(Key::V)),
-            Self::Presets => ("Edit", "Presets…", "Lens and export under a name", ctrl(Key::P)),
-            Self::ResetLens => ("Edit", "Reset lens", "Back to f/3.5, focus in the middle", key(Key::R)),
-            Self::ResetViewpoint => ("Edit", "Centre viewpoint", "Back to where the photo was taken", key(Key::Home)),
-            Self::StepLeft => ("Viewpoint", "Step left", "Move the eye one view left", key(Key::ArrowLeft)),
-            Self::StepRight => ("Viewpoint", "Step right", "Move the eye one view right", key(Key::ArrowRight)),
-            Self::StepUp => ("Viewpoint", "Step up", "Move the eye one view up", key(Key::ArrowUp)),
-            Self::StepDown => ("Viewpoint", "Step down", "Move the eye one view down", key(Key::ArrowDown)),
-            Self::Circle => ("Viewpoint", "Circle", "Let the viewpoint go round", key(Key::P)),
-            Self::Nearer => ("Viewpoint", "Nearer layer", "Focus on the next nearer depth layer", key(Key::PageUp)),
-            Self::Farther => {
-                ("Viewpoint", "Farther layer", "Focus on the next farther depth layer", key(Key::PageDown))
-            }
-            Self::Film => ("Film", "Timeline", "Show or hide the keys of a film", key(Key::F)),
-            Self::PlayFilm => ("Film", "Play", "Show the film, or end it", upper(Key::P)),
-            Self::AddKey => ("Film", "Add key", "Keep lens and eye as they are at the playhead", upper(Key::K)),
-            Self::Earlier => ("Film", "Earlier", "Move the playhead back", key(Key::Comma)),
-            Self::Later => ("Film", "Later", "Move the playhead on", key(Key::Period)),
-            Self::Picture => ("View", "Picture", "The refocused picture", ctrl(Key::Num1)),
-            Self::Views => ("View", "Views", "All views of the light field", ctrl(Key::Num2)),
-            Self::Depths => ("View", "Ray depths", "Ray depths of the current view", ctrl(Key::Num3)),
-            Self::Points => (
-                "View",
-                "Points",
-                "The scene as points: a drag turns it, a double click turns it back",
-                ctrl(Key::Num4),
-            ),
-            Self::ToggleDepth => {
-                ("View", "Ray depths on and off", "Change between picture and ray depths", key(Key::D))
-            }
-            Self::BeforeAfter => {
-                ("View", "Before / after", "The photo left of the line, the picture right", key(Key::C))
-            }
-            Self::Stereo => ("View", "Both eyes", "Red-cyan, beside each other, crossed, and off", key(Key::Num3)),
-            Self::Peaking => ("View", "Focus peaking", "Mark the edges that are in focus", key(Key::K)),
-            Self::Trust => ("View", "Trust view", "Tint what was invented, not seen", key(Key::U)),
-            Self::Fit => ("View", "Fit", "Show the whole picture", key(Key::Num0)),
-            Self::OneToOne => ("View", "1:1", "One picture pixel for one screen pixel", key(Key::Num1)),
-            Self::ZoomIn => ("View", "Zoom in", "Closer", key(Key::Plus)),
-            Self::ZoomOut => ("View", "Zoom out", "Farther", key(Key::Minus)),
-            Self::ToggleInspector => ("View", "Inspector", "Show or hide the panel on the right", key(Key::I)),
-            Self::FullScreen => ("View", "Full screen", "Use the whole screen", key(Key::F11)),
-            Self::NextTheme => ("View", "Theme", "Dark, light, or as the system", key(Key::T)),
-            Self::ClearRecent => ("File", "Forget recent files", "Empty the list of recent files", None),
-            Self::OwnDepth => ("Light field", "Depth map…", "Take ray depths from a map of your own", ctrl(Key::D)),
-            Self::CompareSources => {
-                ("Light field", "Compare sources", "Show the next source of ray depths; Esc goes back", key(Key::S))
-            }
-            Self::KeepSource => ("Light field", "Keep this source", "Use the source that is compared", upper(Key::S)),
-            Self::Repair => ("Light field", "Repair depth", "Mend what the depth got wrong, by hand", key(Key::M)),
-            Self::Opposite => ("Light field", "Exchange near and far", "Turn the sign of every disparity", None),
-            Self::Transpose => ("Light field", "Exchange rows and columns", "Rows of views are columns", None),
-            Self::Serpentine => ("Light field", "To and fro", "Every second row of views runs backwards", None),
-            Self::Shortcuts => ("Help", "Shortcuts", "All keys and what the mouse does", key(Key::F1)),
+        let (group, name, shortcut) = match self {
+            Self::Open => (FILE, id!("command-open"), ctrl(Key::O)),
+            Self::OpenFolder => (FILE, id!("command-open-folder"), shift(Key::O)),
+            Self::OpenSample => (FILE, id!("command-open-sample"), None),
+            Self::Paste => (FILE, id!("command-paste"), ctrl(Key::V)),
+            Self::PreviousPhoto => (FILE, id!("command-previous-photo"), ctrl(Key::ArrowLeft)),
+            Self::NextPhoto => (FILE, id!("command-next-photo"), ctrl(Key::ArrowRight)),
+            Self::Export => (FILE, id!("command-export"), ctrl(Key::S)),
+            Self::ExportPhotos => (FILE, id!("command-export-photos"), shift(Key::S)),
+            Self::Queue => (FILE, id!("command-queue"), ctrl(Key::J)),
+            Self::Settings => (FILE, id!("command-settings"), ctrl(Key::Comma)),
+            Self::CopyPicture => (FILE, id!("command-copy-picture"), ctrl(Key::C)),
+            Self::Stop => (FILE, id!("command-stop"), key(Key::Escape)),
+            Self::Quit => (FILE, id!("command-quit"), ctrl(Key::Q)),
+            Self::Undo => (EDIT, id!("command-undo"), ctrl(Key::Z)),
+            Self::Redo => (EDIT, id!("command-redo"), ctrl(Key::Y)),
+            Self::CopyEdit => (EDIT, id!("command-copy-edit"), shift(Key::C)),
+            Self::PasteEdit => (EDIT, id!("command-paste-edit"), shift(Key::V)),
+            Self::Presets => (EDIT, id!("command-presets"), ctrl(Key::P)),
+            Self::ResetLens => (EDIT, id!("command-reset-lens"), key(Key::R)),
+            Self::ResetViewpoint => (EDIT, id!("command-reset-viewpoint"), key(Key::Home)),
+            Self::StepLeft => (VIEWPOINT, id!("command-step-left"), key(Key::ArrowLeft)),
+            Self::StepRight => (VIEWPOINT, id!("command-step-right"), key(Key::ArrowRight)),
+            Self::StepUp => (VIEWPOINT, id!("command-step-up"), key(Key::ArrowUp)),
+            Self::StepDown => (VIEWPOINT, id!("command-step-down"), key(Key::ArrowDown)),
+            Self::Circle => (VIEWPOINT, id!("command-circle"), key(Key::P)),
+            Self::Nearer => (VIEWPOINT, id!("command-nearer"), key(Key::PageUp)),
+            Self::Farther => (VIEWPOINT, id!("command-farther"), key(Key::PageDown)),
+            Self::Film => (FILM, id!("command-film"), key(Key::F)),
+            Self::PlayFilm => (FILM, id!("command-play-film"), upper(Key::P)),
+            Self::AddKey => (FILM, id!("command-add-key"), upper(Key::K)),
+            Self::Earlier => (FILM, id!("command-earlier"), key(Key::Comma)),
+            Self::Later => (FILM, id!("command-later"), key(Key::Period)),
+            Self::Picture => (VIEW, id!("command-picture"), ctrl(Key::Num1)),
+            Self::Views => (VIEW, id!("command-views"), ctrl(Key::Num2)),
+            Self::Depths => (VIEW, id!("command-depths"), ctrl(Key::Num3)),
+            Self::Points => (VIEW, id!("command-points"), ctrl(Key::Num4)),
+            Self::ToggleDepth => (VIEW, id!("command-toggle-depth"), key(Key::D)),
+            Self::BeforeAfter => (VIEW, id!("command-before-after"), key(Key::C)),
+            Self::Stereo => (VIEW, id!("command-stereo"), key(Key::Num3)),
+            Self::Peaking => (VIEW, id!("command-peaking"), key(Key::K)),
+            Self::Trust => (VIEW, id!("command-trust"), key(Key::U)),
+            Self::Fit => (VIEW, id!("command-fit"), key(Key::Num0)),
+            Self::OneToOne => (VIEW, id!("command-one-to-one"), key(Key::Num1)),
+            Self::ZoomIn => (VIEW, id!("command-zoom-in"), key(Key::Plus)),
+            Self::ZoomOut => (VIEW, id!("command-zoom-out"), key(Key::Minus)),
+            Self::ToggleInspector => (VIEW, id!("command-toggle-inspector"), key(Key::I)),
+            Self::FullScreen => (VIEW, id!("command-full-screen"), key(Key::F11)),
+            Self::NextTheme => (VIEW, id!("command-next-theme"), key(Key::T)),
+            Self::ClearRecent => (FILE, id!("command-clear-recent"), None),
+            Self::OwnDepth => (LIGHT_FIELD, id!("command-own-depth"), ctrl(Key::D)),
+            Self::CompareSources => (LIGHT_FIELD, id!("command-compare-sources"), key(Key::S)),
+            Self::KeepSource => (LIGHT_FIELD, id!("command-keep-source"), upper(Key::S)),
+            Self::Repair => (LIGHT_FIELD, id!("command-repair"), key(Key::M)),
+            Self::Opposite => (LIGHT_FIELD, id!("command-opposite"), None),
+            Self::Transpose => (LIGHT_FIELD, id!("command-transpose"), None),
+            Self::Serpentine => (LIGHT_FIELD, id!("command-serpentine"), None),
+            Self::Shortcuts => (HELP, id!("command-shortcuts"), key(Key::F1)),
         };
-        Spec { group, label, hint, shortcut }
+        Spec { group, name, shortcut }
     }
 
     /// Headings of the menu and the sheet, in order.
-    pub const GROUPS: [&'static str; 7] = ["File", "Edit", "Viewpoint", "Film", "View", "Light field", "Help"];
+    pub const GROUPS: [Id; 7] = [FILE, EDIT, VIEWPOINT, FILM, VIEW, LIGHT_FIELD, HELP];
 
     /// The actions of a group.
-    pub fn of_group(group: &str) -> impl Iterator<Item = Self> {
+    pub fn of_group(group: Id) -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().filter(move |action| action.spec().group == group)
     }
 
@@ -244,8 +251,8 @@ impl Command {
     pub fn tip(self, ctx: &egui::Context) -> String {
         let spec = self.spec();
         match spec.shortcut {
-            Some(keys) => format!("{}  {}", spec.hint, ctx.format_shortcut(&keys)),
-            None => spec.hint.to_owned(),
+            Some(keys) => format!("{}  {}", spec.hint(), ctx.format_shortcut(&keys)),
+            None => spec.hint().to_owned(),
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::inbox;
 use super::open::Made;
 use super::window::Window;
+use super::words::message;
 use crate::scene::{DepthFrom, Making};
 
 /// Memory that light fields which are not shown may take.
@@ -96,8 +97,7 @@ pub fn make_again(window: &mut Window) {
 pub fn next(window: &mut Window) {
     let (all, at) = (window.sources(), window.looked_at());
     if all.len() < 2 {
-        let text = "This photo has one source of depth: drop a depth net (.onnx) on the window to have another";
-        return window.toasts.info(text);
+        return window.toasts.info(message!("one-source"));
     }
     let next = all.iter().position(|(source, _)| *source == at).map_or(0, |index| (index + 1) % all.len());
     let next = all[next].0.clone();

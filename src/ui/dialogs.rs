@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::ask::{Ask, PathFor, Picked, Preset};
 use super::event::Event;
 use super::near_end;
+use super::words::message;
 use super::worker::{JobId, Outbox};
 use crate::io::formats::depth_map;
 use crate::io::opening;
@@ -68,16 +69,16 @@ fn depth_map(path: PathBuf) -> Event {
     match depth_map::read(&path) {
         Ok(map) => match near_end::readings(&map) {
             Ok(readings) => Event::Picked(Picked::DepthMap { path, size: map.size(), readings }),
-            Err(error) => Event::Failed(crate::errors::sentence(&error)),
+            Err(error) => Event::Failed(crate::errors::sentence(&error).into()),
         },
-        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+        Err(error) => Event::Failed(crate::errors::sentence(&error).into()),
     }
 }
 
 fn opening(path: &Path) -> Event {
     match opening::read(path) {
         Ok(opening) => Event::Picked(Picked::Opening(opening)),
-        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+        Err(error) => Event::Failed(crate::errors::sentence(&error).into()),
     }
 }
 
@@ -96,14 +97,14 @@ fn none(start: Instant, wanted: PathFor) -> Picked {
 fn edit_in_file(path: &Path) -> Event {
     match Recipe::read(path) {
         Ok(recipe) => Event::Picked(Picked::Edit(Box::new(recipe))),
-        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+        Err(error) => Event::Failed(crate::errors::sentence(&error).into()),
     }
 }
 
 /// Does something to the presets, and says which there are then.
 fn presets(what: Preset) -> Event {
     let Some(presets) = Presets::user() else {
-        return Event::Failed("presets cannot be kept — the system names no folder for settings — set HOME".to_owned());
+        return Event::Failed(message!("presets-no-folder"));
     };
     let done = match what {
         Preset::List => Ok(None),
@@ -114,7 +115,7 @@ fn presets(what: Preset) -> Event {
     match done {
         Ok(Some(recipe)) => Event::Picked(Picked::Preset(recipe)),
         Ok(None) => Event::Picked(Picked::Presets(presets.names())),
-        Err(error) => Event::Failed(crate::errors::sentence(&error)),
+        Err(error) => Event::Failed(crate::errors::sentence(&error).into()),
     }
 }
 
@@ -122,9 +123,7 @@ fn edit_in_clipboard() -> Event {
     let text = arboard::Clipboard::new().and_then(|mut board| board.get_text()).unwrap_or_default();
     match edit_from_text(&text) {
         Some(edit) => Event::Picked(Picked::Edit(edit)),
-        None => Event::Failed(
-            "nothing to paste — the clipboard holds no edit — copy one from another photo first (Copy edit)".into(),
-        ),
+        None => Event::Failed(message!("paste-no-edit")),
     }
 }
 
@@ -136,12 +135,8 @@ pub fn edit_from_text(text: &str) -> Option<Box<Recipe>> {
 
 /// A picture, or the path of one.
 fn clipboard() -> Event {
-    let nothing =
-        "nothing to paste — the clipboard holds no picture and no path of a file — copy a picture or a path first";
     let Ok(mut board) = arboard::Clipboard::new() else {
-        return Event::Failed(
-            "could not paste — the system's clipboard does not answer — open the file instead".into(),
-        );
+        return Event::Failed(message!("paste-no-answer"));
     };
     if let Ok(image) = board.get_image() {
         return Event::Picked(Picked::Pixels([image.width as u32, image.height as u32], image.bytes.into_owned()));
@@ -150,7 +145,7 @@ fn clipboard() -> Event {
     match (edit_from_text(&text), path_from_text(&text)) {
         (Some(edit), _) => Event::Picked(Picked::Edit(edit)),
         (None, Some(path)) => Event::Picked(Picked::Open(path)),
-        (None, None) => Event::Failed(nothing.to_owned()),
+        (None, None) => Event::Failed(message!("paste-nothing")),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A file that was read, and the edit that lies beside it.
 
+use super::words::{Message, message, t};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,7 +19,7 @@ pub struct Document {
     /// What the file of that edit held.
     pub found: Found,
     /// What a person should know about it.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Message>,
     /// The picture that it was made into, and the edit which that carried, where this led here.
     pub restored: Option<(PathBuf, Box<Recipe>)>,
 }
@@ -46,13 +47,13 @@ impl Document {
     /// Reads a file, and the edit that lies beside it. A picture that knows its photo leads to that, with its edit.
     pub fn read(path: &Path, job: &Job) -> Result<Self, String> {
         let opened = io::open(path, job).map_err(|error| sentence(&error))?;
-        let mut warnings = opened.info().warnings.clone();
+        let mut warnings: Vec<_> = opened.info().warnings.iter().cloned().map(Message::heard).collect();
         if let Opened::Photo(file) = &opened
             && let Some(found) = &file.carried
         {
             match Restored::of(found, path, job) {
                 Ok(restored) => return Ok(Self::restored(restored, path)),
-                Err(error) => warnings.push(sentence(&error)),
+                Err(error) => warnings.push(sentence(&error).into()),
             }
         }
         let subject = Subject::whole(opened, path, job).map_err(|error| sentence(&error))?;
@@ -71,13 +72,13 @@ impl Document {
         Ok(document)
     }
 
-    fn with_sidecar(subject: Subject, path: &Path, mut warnings: Vec<String>) -> Self {
+    fn with_sidecar(subject: Subject, path: &Path, mut warnings: Vec<Message>) -> Self {
         let has_edit = subject.photo().is_some();
         let (recipe, found) = if has_edit { Recipe::found_beside(path) } else { (Ok(None), Found::default()) };
         let sidecar = match recipe {
             Ok(recipe) => recipe.map_or(Sidecar::None, |recipe| Sidecar::Read(Box::new(recipe))),
             Err(error) => {
-                warnings.push(sentence(&error));
+                warnings.push(sentence(&error).into());
                 Sidecar::Unreadable
             }
         };
@@ -87,7 +88,7 @@ impl Document {
     /// The photo that a picture was made of.
     fn restored(Restored { subject, recipe }: Restored, picture: &Path) -> Self {
         let file_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let told = format!("{} was made of {}: here it is, with that edit", file_name(picture), subject.name);
+        let told = message!("was-made-of", picture = file_name(picture), photo = &subject.name);
         let mut document = match subject.path.clone() {
             Some(photo) => Self::with_sidecar(subject, &photo, Vec::new()),
             None => subject.into(),
@@ -118,15 +119,15 @@ impl Document {
     /// "4032 × 3024 · Display P3 · phone depth".
     pub fn facts(&self) -> String {
         let [w, h] = self.subject.size();
-        let Some(info) = &self.subject.info else { return format!("{w} × {h}") };
-        let mut parts = vec![format!("{} × {}", info.size[0], info.size[1])];
-        parts.extend(info.views.map(|[rows, cols]| format!("{cols} × {rows} views")));
+        let Some(info) = &self.subject.info else { return t!("size-only", width = w, height = h) };
+        let mut parts = vec![t!("size-only", width = info.size[0], height = info.size[1])];
+        parts.extend(info.views.map(|[rows, cols]| t!("views-count", cols = cols, rows = rows)));
         parts.extend(info.profile.clone().filter(|name| !name.contains("sRGB")));
         if info.bits > 8 {
-            parts.push(format!("{} bits", info.bits));
+            parts.push(t!("bits", bits = info.bits));
         }
         if info.embedded_depth.is_some() {
-            parts.push("phone depth found".to_owned());
+            parts.push(t!("phone-depth").to_owned());
         }
         parts.join(" · ")
     }

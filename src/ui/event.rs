@@ -13,6 +13,7 @@ use super::points::Drawn;
 use super::rays::Rays;
 use super::tiles::TileSet;
 use super::trust::TrustKey;
+use super::words::Message;
 use crate::field::{View, ViewIndex};
 use crate::job::Progress;
 use crate::render::Picture;
@@ -60,11 +61,11 @@ pub enum Event {
     /// Where a dialog led.
     Picked(Picked),
     /// Something went wrong that does not stop the job.
-    Warning(String),
+    Warning(Message),
     /// The job was stopped: not an error.
     Stopped,
     /// The job failed; the sentence says what, why and what to do.
-    Failed(String),
+    Failed(Message),
 }
 
 /// A depth net in the menu.

@@ -53,7 +53,6 @@ impl FieldPictures {
     pub fn new(render: &RenderState) -> Self {
         let info = render.adapter.get_info();
         let is_software = info.device_type == wgpu::DeviceType::Cpu;
-        let adapter = if is_software { "the processor".to_owned() } else { info.name };
         let gpu = Gpu::new(&render.device, &render.queue, is_software);
         Self {
             render: render.clone(),
@@ -62,7 +61,7 @@ impl FieldPictures {
             shown: Default::default(),
             views: Vec::new(),
             is_streaming: false,
-            adapter,
+            adapter: info.name,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The timeline in the window: where its playhead stands, and its film, drawn by the draft renderer.
 
 use super::window::Window;
+use super::words::message;
 use crate::scene::Edit;
 use crate::scene::timeline::{Holds, Key, MOST_KEYS, Preset, Timeline};
 
@@ -134,6 +135,6 @@ fn add(window: &mut Window) {
     let key = Key::of(at, &window.edit, window.film.holds);
     let timeline = window.timeline.get_or_insert_with(Timeline::default);
     if !timeline.put(key) {
-        window.toasts.error(&format!("no key is added — the timeline has {MOST_KEYS} already — remove one first"));
+        window.toasts.error(message!("keys-most", most = MOST_KEYS));
     }
 }

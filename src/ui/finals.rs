@@ -40,7 +40,7 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
         let event = match renderer.render(&request, &Job { cancel, sink: &() }) {
             Ok(picture) => Event::AtRest(request.key.clone(), Arc::new(TileSet::of_picture(&picture))),
             Err(_) if cancel.is_cancelled() => Event::Stopped,
-            Err(error) => Event::Failed(crate::errors::sentence(&error)),
+            Err(error) => Event::Failed(crate::errors::sentence(&error).into()),
         };
         outbox.send(job, event);
         // What a lens renderer drafts of a scene of splats, a true lens takes the place of.

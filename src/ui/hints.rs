@@ -1,6 +1,7 @@
 //! Three things that a person is told once: how to look round, to focus and to export. Each is told where it applies, and
 //! never again once it was done or put away.
 
+use super::words::t;
 use serde::{Deserialize, Serialize};
 
 /// What was done already, or put away.
@@ -27,9 +28,9 @@ impl Hint {
     /// What a person reads.
     pub fn text(self) -> &'static str {
         match self {
-            Self::Look => "Drag the picture to look round",
-            Self::Focus => "Click what should be sharp",
-            Self::Export => "Export saves the picture as you see it",
+            Self::Look => t!("hint-look"),
+            Self::Focus => t!("hint-focus"),
+            Self::Export => t!("hint-export"),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::util::undoer::Undoer;
 
 use super::event::Event;
+use super::words::{Message, message};
 use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::job::Cancel;
@@ -102,16 +103,13 @@ impl Keep {
 pub fn keep(job: JobId, keep: Keep, _: &Cancel, outbox: &Outbox) {
     let told = match keep.write() {
         Ok(None) => return,
-        Ok(Some(theirs)) => Event::Warning(format!("This photo was edited elsewhere meanwhile; {}", kept_as(&theirs))),
-        Err(why) => Event::Failed(format!(
-            "the edit is not kept beside the photo — {why} — copy the photo to a folder of yours, or turn this off in the settings"
-        )),
+        Ok(Some(theirs)) => Event::Warning(edited_elsewhere(&theirs)),
+        Err(why) => Event::Failed(message!("edit-not-kept", why = Message::heard(why))),
     };
     outbox.send(job, told);
 }
 
 /// Where the edit of somebody else is.
-pub fn kept_as(theirs: &Path) -> String {
-    let name = theirs.file_name().unwrap_or_default().to_string_lossy();
-    format!("that edit is kept as {name}")
+pub fn edited_elsewhere(theirs: &Path) -> Message {
+    message!("edited-elsewhere", name = &*theirs.file_name().unwrap_or_default().to_string_lossy())
 }

@@ -25,6 +25,7 @@ use super::rays::Rays;
 use super::strength::is_same;
 use super::tiles::Tiled;
 use super::window::Window;
+use super::words::message;
 use super::worker::JobId;
 use crate::field::ViewPoint;
 use crate::repair::Repairs;
@@ -83,8 +84,8 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
             }
             window.dialog = Some(Dialog::Added(Box::new(Shown::new(*card, ctx))));
         }
-        Event::Warning(text) => window.toasts.info(&text),
-        Event::Failed(text) => window.toasts.error(&text),
+        Event::Warning(text) => window.toasts.info(text),
+        Event::Failed(text) => window.toasts.error(text),
         _ => {}
     }
 }
@@ -103,16 +104,16 @@ fn exported(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
         Event::Skipped(path) => {
             queue.end(job, State::Skipped);
             let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            toasts.info(&format!("{name} is there already and was left as it is"));
+            toasts.info(message!("left-as-it-was", name = name));
         }
         Event::Copied(picture) => {
             let size = picture.size.map(|side| side as usize);
             ctx.copy_image(egui::ColorImage::from_rgba_unmultiplied(size, &picture.to_srgb8()));
             queue.forget(job);
-            toasts.info(&format!("Copied the picture, {} × {} px", size[0], size[1]));
+            toasts.info(message!("copied-picture", width = size[0], height = size[1]));
         }
         Event::Failed(text) => {
-            toasts.error(&text);
+            toasts.error(text.clone());
             queue.end(job, State::Failed(text));
         }
         Event::Stopped => queue.end(job, State::Stopped),
@@ -125,7 +126,7 @@ fn loaded(window: &mut Window, event: Event, ctx: &Context) {
     match event {
         Event::Progress(progress) => window.loading.tell(progress),
         Event::Failed(text) => {
-            window.toasts.error(&text);
+            window.toasts.error(text);
             window.loading = Loading::Idle;
             if window.compare.at().is_some() {
                 compare::back(window);
@@ -190,10 +191,10 @@ fn opened(window: &mut Window, document: Document, rays: Option<Rays>, ctx: &Con
         window.history.note(&window.step());
     }
     window.toasts.clear();
-    document.warnings.iter().for_each(|warning| window.toasts.info(warning));
+    document.warnings.iter().for_each(|warning| window.toasts.info(warning.clone()));
     match window.repairs.are_of(&document.subject.sign()) {
-        true => window.repairs.left_out().iter().for_each(|text| window.toasts.info(text)),
-        false => window.toasts.info(OTHER_PHOTO),
+        true => window.repairs.left_out().into_iter().for_each(|text| window.toasts.info(text)),
+        false => window.toasts.info(OTHER_PHOTO.to_owned()),
     }
     if let Some(path) = document.path() {
         window.settings.remember(path);
@@ -308,21 +309,19 @@ fn picked(window: &mut Window, picked: Picked, ctx: &Context) {
             let question = Question::new(&path, size, readings, ctx);
             match window.open.size() {
                 Some(photo) if question.fits(photo) => Action::Show(Dialog::NearEnd(question)),
-                _ => Action::Refuse(
-                    "this depth map is not this photo's — it has another shape — use one of the photo's shape",
-                ),
+                _ => Action::Refuse(message!("other-shape")),
             }
         }
         Picked::Opening(opening) => Action::TakeOpening(opening),
         Picked::Models(folder) => Action::UseModels(folder),
         Picked::Net(path) => Action::ChangeNets(Change::Add(path)),
-        Picked::Pixels(size, rgba) => Action::Open(OpenFrom::Pixels(size, rgba)),
+        Picked::Pixels(size, rgba) => Action::Open(OpenFrom::pasted(size, rgba)),
         Picked::Edit(recipe) => Action::PasteEdit(recipe),
         Picked::Preset(recipe) => Action::TakePreset(recipe),
         Picked::Presets(names) => Action::Show(Dialog::Presets { names, new: String::new() }),
         Picked::Unavailable(wanted) => Action::Show(Dialog::Path(wanted, String::new())),
         Picked::NoFolderDialog => {
-            return window.toasts.info("The system shows no folder dialog here: type the folder into the field");
+            return window.toasts.info(message!("no-folder-dialog"));
         }
         Picked::Nothing => return,
     };

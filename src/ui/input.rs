@@ -94,7 +94,7 @@ fn clipboard(event: Event) -> Option<Action> {
         }),
         Event::PasteImage(image) => {
             let rgba = image.pixels.iter().flat_map(|pixel| pixel.to_srgba_unmultiplied()).collect();
-            Some(Action::Open(OpenFrom::Pixels(image.size.map(|side| side as u32), rgba)))
+            Some(Action::Open(OpenFrom::pasted(image.size.map(|side| side as u32), rgba)))
         }
         _ => None,
     }

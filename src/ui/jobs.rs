@@ -12,6 +12,7 @@ use super::open::Made;
 use super::rays::Rays;
 use super::recents;
 use super::tiles::TileSet;
+use super::words::t;
 use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::field::{Photo, RayDepths, View, ViewIndex};
@@ -25,12 +26,19 @@ pub enum OpenFrom {
     File(PathBuf),
     /// Photos of one subject, the one that is looked at first.
     Several(Vec<PathBuf>),
-    /// Pixels of the clipboard, `[y, x, 4]`.
-    Pixels([u32; 2], Vec<u8>),
+    /// Pixels of the clipboard, `[y, x, 4]`, and what they are called.
+    Pixels([u32; 2], Vec<u8>, &'static str),
     /// The built-in sample.
     Sample,
     /// What is open already, with other settings.
     Again(Box<Document>),
+}
+
+impl OpenFrom {
+    /// Pixels of the clipboard, `[y, x, 4]`.
+    pub fn pasted(size: [u32; 2], rgba: Vec<u8>) -> Self {
+        Self::Pixels(size, rgba, t!("pasted-picture"))
+    }
 }
 
 /// A request to the thread that opens and synthesizes.
@@ -61,7 +69,7 @@ impl Sink for ToWindow<'_> {
         self.outbox.send(self.job, Event::View(at, Arc::clone(view)));
     }
     fn warning(&self, text: String) {
-        self.outbox.send(self.job, Event::Warning(text));
+        self.outbox.send(self.job, Event::Warning(text.into()));
     }
 }
 
@@ -87,7 +95,7 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
                 }
             }
             Err(sentence) => {
-                outbox.send(job, Event::Failed(sentence));
+                outbox.send(job, Event::Failed(sentence.into()));
             }
         }
     }
@@ -123,11 +131,11 @@ fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbo
             None => Document::read(path, job)?,
         },
         OpenFrom::Several(paths) => Document::read_several(paths, job)?,
-        OpenFrom::Pixels(size, rgba) => {
+        OpenFrom::Pixels(size, rgba, name) => {
             let mut rgba = rgba.clone();
             rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);
             let photo = Photo::from_srgb8(*size, rgba).map_err(|error| sentence(&error))?;
-            Subject::from_photo(Arc::new(photo), "Pasted picture").into()
+            Subject::from_photo(Arc::new(photo), name).into()
         }
         OpenFrom::Sample => Subject::sample().map_err(|error| sentence(&error))?.into(),
     };

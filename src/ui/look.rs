@@ -1,5 +1,6 @@
 //! How the picture is looked at: face, zoom and pan, the probe, the line between before and after.
 
+use super::words::{Message, message};
 use egui::{Rect, Vec2, vec2};
 use serde::{Deserialize, Serialize};
 
@@ -46,12 +47,12 @@ pub enum Stereo {
 
 impl Stereo {
     /// The next one, and what it is called.
-    pub fn next(self) -> (Self, &'static str) {
+    pub fn next(self) -> (Self, Message) {
         match self {
-            Self::Off => (Self::Anaglyph, "Both eyes in one picture, for red-cyan glasses"),
-            Self::Anaglyph => (Self::Parallel, "Both eyes beside each other, left eye left"),
-            Self::Parallel => (Self::Crossed, "Both eyes beside each other, left eye right: cross your eyes"),
-            Self::Crossed => (Self::Off, "One picture for both eyes"),
+            Self::Off => (Self::Anaglyph, message!("stereo-anaglyph")),
+            Self::Anaglyph => (Self::Parallel, message!("stereo-parallel")),
+            Self::Parallel => (Self::Crossed, message!("stereo-crossed")),
+            Self::Crossed => (Self::Off, message!("stereo-off")),
         }
     }
 }

@@ -8,6 +8,7 @@ use egui::{ColorImage, TextureHandle, TextureOptions};
 use super::event::Event;
 use super::open::Made;
 use super::theme;
+use super::words::{Id, id};
 use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::field::DisparityMap;
@@ -29,13 +30,13 @@ pub enum Tool {
 
 impl Tool {
     /// All of them, with what they are called.
-    pub const ALL: [(Self, &'static str); 6] = [
-        (Self::Thing, "Thing"),
-        (Self::Lasso, "Lasso"),
-        (Self::Brush(Brush::Nearer), "Nearer"),
-        (Self::Brush(Brush::Farther), "Farther"),
-        (Self::Brush(Brush::Smooth), "Smooth"),
-        (Self::Brush(Brush::Sharpen), "Edge"),
+    pub const ALL: [(Self, Id); 6] = [
+        (Self::Thing, id!("tool-thing")),
+        (Self::Lasso, id!("tool-lasso")),
+        (Self::Brush(Brush::Nearer), id!("tool-nearer")),
+        (Self::Brush(Brush::Farther), id!("tool-farther")),
+        (Self::Brush(Brush::Smooth), id!("tool-smooth")),
+        (Self::Brush(Brush::Sharpen), id!("tool-edge")),
     ];
 }
 
@@ -311,7 +312,7 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
     let event = match answer {
         _ if cancel.is_cancelled() => Event::Stopped,
         Ok(answer) => Event::Mending(answer),
-        Err(error) => Event::Failed(sentence(&error)),
+        Err(error) => Event::Failed(sentence(&error).into()),
     };
     outbox.send(job, event);
 }

@@ -53,6 +53,7 @@ mod toasts;
 mod trust;
 mod widgets;
 mod window;
+mod words;
 mod worker;
 mod workers;
 

@@ -62,7 +62,7 @@ pub struct Question {
 impl Question {
     /// About the map of a file.
     pub fn new(path: &Path, size: [u32; 2], readings: [Reading; 2], ctx: &Context) -> Self {
-        let texture = |reading: &Reading| ctx.load_texture("near end", Arc::clone(&reading.image), Default::default());
+        let texture = |reading: &Reading| ctx.load_texture("near_end", Arc::clone(&reading.image), Default::default());
         let textures = [texture(&readings[0]), texture(&readings[1])];
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         Self { name, readings, textures, size }

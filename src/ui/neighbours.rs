@@ -8,6 +8,7 @@ use super::ask::Picked;
 use super::document::Document;
 use super::event::Event;
 use super::tiles::TileSet;
+use super::words::message;
 use super::worker::{JobId, Outbox, Work};
 use crate::io::folder;
 use crate::job::{Cancel, Job};
@@ -78,16 +79,15 @@ pub fn worker(ahead: Ahead) -> impl Work<Request> {
 fn step(job: JobId, path: &Path, is_next: bool, outbox: &Outbox) {
     let event = match folder::neighbours(path) {
         Ok((before, after)) => {
-            let side = if is_next { "last" } else { "first" };
             let found = if is_next { after } else { before };
             found.map_or_else(
-                || Event::Warning(format!("This is the {side} photo of its folder")),
+                || Event::Warning(if is_next { message!("photo-last") } else { message!("photo-first") }),
                 |path| Event::Picked(Picked::Open(path)),
             )
         }
         Err(error) => {
-            let folder = path.parent().unwrap_or(path).display();
-            Event::Failed(format!("could not look into the folder — {error} — check that you may read it: {folder}"))
+            let folder = path.parent().unwrap_or(path);
+            Event::Failed(message!("folder-unreadable", why = error.to_string(), folder = folder))
         }
     };
     outbox.send(job, event);

@@ -1,5 +1,6 @@
 //! How far a job is, and how long it will take.
 
+use super::words::{self, heard, t};
 use super::worker::JobId;
 use crate::job::{Progress, Stage};
 
@@ -38,17 +39,18 @@ impl Running {
     /// What it does, in a few words.
     pub fn label(&self) -> String {
         match self.progress {
-            None => Stage::Open.label().to_owned(),
+            None => heard(Stage::Open.label()).into_owned(),
             Some(progress) if progress.total > 1 => {
-                format!("{} · {} of {}", progress.stage.label(), progress.done, progress.total)
+                let stage = heard(progress.stage.label());
+                t!("progress-of", stage = &*stage, done = progress.done, total = progress.total)
             }
-            Some(progress) => progress.stage.label().to_owned(),
+            Some(progress) => heard(progress.stage.label()).into_owned(),
         }
     }
 
     /// What its present stage is called.
-    pub fn stage(&self) -> &'static str {
-        self.progress.map_or(Stage::Open, |progress| progress.stage).label()
+    pub fn stage(&self) -> String {
+        heard(self.progress.map_or(Stage::Open, |progress| progress.stage).label()).into_owned()
     }
 
     /// How much of the present stage is done, 0 to 1.
@@ -59,9 +61,9 @@ impl Running {
     /// "3.2 s · 5 s left".
     pub fn time(&self) -> String {
         let now = now();
-        let elapsed = format!("{:.1} s", now - self.since_secs);
+        let elapsed = t!("seconds", secs = words::fixed(now - self.since_secs, 1));
         match left_secs(now - self.stage_since_secs, f64::from(self.share())) {
-            Some(left) if left >= 1.0 => format!("{elapsed} · {} left", span(left)),
+            Some(left) if left >= 1.0 => t!("time-left", elapsed = elapsed, left = span(left)),
             _ => elapsed,
         }
     }
@@ -112,7 +114,11 @@ fn left_secs(elapsed: f64, share: f64) -> Option<f64> {
 
 /// "40 s", "3 min".
 fn span(secs: f64) -> String {
-    if secs < 90.0 { format!("{} s", secs.ceil()) } else { format!("{} min", (secs / 60.0).ceil()) }
+    if secs < 90.0 {
+        t!("seconds", secs = words::fixed(secs.ceil(), 0))
+    } else {
+        t!("minutes", minutes = words::fixed((secs / 60.0).ceil(), 0))
+    }
 }
 
 /// Seconds since the program began, for what is shown of time.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::progress::Running;
+use super::words::Message;
 use super::worker::JobId;
 use crate::job::Progress;
 
@@ -18,7 +19,7 @@ pub enum State {
     /// The file was there already and was left as it is.
     Skipped,
     /// It failed; the sentence says why.
-    Failed(String),
+    Failed(Message),
     /// A person stopped it.
     Stopped,
 }

@@ -58,7 +58,7 @@ pub fn worker(maker: Arc<Maker>) -> impl Work<Order> {
             match done {
                 Err(_) if cancel.is_cancelled() => Event::Stopped,
                 Ok(event) => event,
-                Err(error) => Event::Failed(sentence(&error)),
+                Err(error) => Event::Failed(sentence(&error).into()),
             },
         );
     }

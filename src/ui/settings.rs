@@ -14,6 +14,8 @@ use crate::scene::{DepthFrom, Edit, Making, export, trust};
 pub struct Settings {
     /// Dark, light, or the system's.
     pub theme: egui::ThemePreference,
+    /// The language of the window by its tag; none is the system's.
+    pub language: Option<String>,
     /// Colours of ray depths.
     pub colormap: Colormap,
     /// Long side of a view, in pixels.
@@ -54,6 +56,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             theme: egui::ThemePreference::Dark,
+            language: None,
             // Near and far are told apart without red and green.
             colormap: Colormap::Viridis,
             long_side: Making::LONG_SIDE,

@@ -3,6 +3,7 @@
 use egui::{Pos2, Rect, Vec2};
 
 use super::open::Open;
+use super::words::t;
 use crate::scene::sharp::Places;
 use crate::scene::{Edit, Focus};
 
@@ -60,7 +61,7 @@ pub fn ring_at(open: &Open, edit: &Edit, at: Pos2, rect: Rect) -> Option<usize> 
 /// What is said of it; nothing where there are not two.
 pub fn told(open: &Open, edit: &Edit) -> Option<&'static str> {
     Some(match open.scene()?.goes_through(edit)? {
-        true => "the focal plane leans through all rings",
-        false => "no plane goes through the rings: a band of depths keeps them sharp",
+        true => t!("plane-leans"),
+        false => t!("plane-none"),
     })
 }

@@ -1,6 +1,7 @@
 //! The sources of depth that a photo has, as people choose and compare them.
 
 use super::event::Listed;
+use super::words::t;
 use crate::scene::{DepthFrom, OnePhoto};
 
 /// A source with its name.
@@ -9,11 +10,11 @@ pub type Choice = (DepthFrom, String);
 /// All that can be used for a photo now: its own depth first, then nets that were added, then the program's own.
 pub fn choices(one: &OnePhoto, nets: &[Listed]) -> Vec<Choice> {
     if one.splats.is_some() {
-        return vec![(DepthFrom::Auto, "Gaussians".to_owned())];
+        return vec![(DepthFrom::Auto, t!("source-gaussians").to_owned())];
     }
     let mut all = of_photo(one);
     all.extend(nets.iter().filter(|net| net.fault.is_none()).map(|net| (net.source(), net.name.clone())));
-    all.push((DepthFrom::Network, "Network".to_owned()));
+    all.push((DepthFrom::Network, t!("source-network").to_owned()));
     all
 }
 
@@ -21,12 +22,15 @@ pub fn choices(one: &OnePhoto, nets: &[Listed]) -> Vec<Choice> {
 pub fn of_photo(one: &OnePhoto) -> Vec<Choice> {
     let mut all = Vec::new();
     // What they tell is the automatic choice.
-    all.extend(one.several.as_ref().map(|several| (DepthFrom::Auto, format!("{} photos", several.count() + 1))));
+    all.extend(one.several.as_ref().map(|several| (DepthFrom::Auto, t!("source-photos", count = several.count() + 1))));
     if one.own_map.is_some() {
-        all.push((DepthFrom::Map, "Your map".to_owned()));
+        all.push((DepthFrom::Map, t!("source-map").to_owned()));
     }
     if one.phone.is_some() {
-        all.extend([(DepthFrom::Phone, "Phone".to_owned()), (DepthFrom::Fused, "Fused".to_owned())]);
+        all.extend([
+            (DepthFrom::Phone, t!("source-phone").to_owned()),
+            (DepthFrom::Fused, t!("source-fused").to_owned()),
+        ]);
     }
     all
 }
@@ -83,8 +87,8 @@ mod tests {
         let broken = Listed { fault: Some("bad".to_owned()), ..net("broken", "c") };
         let nets = [net("mine", "a"), broken];
         let names = |one: &OnePhoto| choices(one, &nets).into_iter().map(|(_, name)| name).collect::<Vec<_>>();
-        assert_eq!(names(&photo(true)), ["Phone", "Fused", "mine", "Network"]);
-        assert_eq!(names(&photo(false)), ["mine", "Network"]);
+        assert_eq!(names(&photo(true)), [t!("source-phone"), t!("source-fused"), "mine", t!("source-network")]);
+        assert_eq!(names(&photo(false)), ["mine", t!("source-network")]);
     }
 
     #[test]

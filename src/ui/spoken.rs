@@ -4,6 +4,8 @@ use egui::accesskit::Live;
 use egui::{Rect, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::window::Window;
+use super::words::{self, t};
+use crate::field::ViewOffset;
 use crate::scene::layers;
 
 /// Tells it, in a place that takes no room.
@@ -12,7 +14,7 @@ pub fn show(window: &Window, ui: &Ui) {
     let all = [
         ("lens", Role::Status, Live::Polite, lens(window)),
         ("runs", Role::Status, Live::Polite, runs(window)),
-        ("told", Role::Alert, Live::Assertive, window.toasts.last().map(str::to_owned)),
+        ("told", Role::Alert, Live::Assertive, window.toasts.last()),
     ];
     for (name, role, live, text) in all {
         let Some(text) = text else { continue };
@@ -26,13 +28,20 @@ pub fn show(window: &Window, ui: &Ui) {
 fn lens(window: &Window) -> Option<String> {
     let layers = &window.open.rays()?.survey.layers_px;
     let number = layers::nearest(layers, window.open.lens(&window.edit).focus.disparity_px);
-    let f = format!("{:.1}", window.edit.f_number.0);
-    let mut text = format!("layer {} of {}, f/{}", number + 1, layers.len(), f.strip_suffix(".0").unwrap_or(&f));
-    let eye = window.edit.viewpoint.0;
-    for (steps, ways) in [(eye.du, ["left", "right"]), (eye.dv, ["up", "down"])] {
-        if steps.abs() >= 0.05 {
-            text += &format!(", {:.1} {}", steps.abs(), ways[usize::from(steps > 0.0)]);
-        }
+    let f = words::shortest((window.edit.f_number.0 * 10.0).round() / 10.0);
+    let mut text = t!("said-layer", number = number + 1, count = layers.len(), f = f);
+    let ViewOffset { dv, du } = window.edit.viewpoint.0;
+    let far = |steps: f32| steps.abs() >= 0.05;
+    let steps = |steps: f32| words::fixed(steps.abs(), 1);
+    match du {
+        _ if !far(du) => {}
+        _ if du < 0.0 => text += &t!("said-left", steps = steps(du)),
+        _ => text += &t!("said-right", steps = steps(du)),
+    }
+    match dv {
+        _ if !far(dv) => {}
+        _ if dv < 0.0 => text += &t!("said-up", steps = steps(dv)),
+        _ => text += &t!("said-down", steps = steps(dv)),
     }
     Some(text)
 }
@@ -41,5 +50,5 @@ fn lens(window: &Window) -> Option<String> {
 fn runs(window: &Window) -> Option<String> {
     let running = window.loading.running().or(window.adding.as_ref())?;
     let tens = (running.share() * 10.0) as u32 * 10;
-    Some(format!("{}, {tens} per cent", running.stage()))
+    Some(t!("said-runs", stage = running.stage(), percent = tens))
 }

@@ -61,7 +61,7 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
         match made {
             _ if cancel.is_cancelled() => Event::Stopped,
             Ok(made) => Event::AtStrength(Box::new(made)),
-            Err(error) => Event::Failed(sentence(&error)),
+            Err(error) => Event::Failed(sentence(&error).into()),
         },
     );
 }

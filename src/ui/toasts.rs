@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use egui::{Align2, Context, Frame, Margin, RichText};
 
 use super::progress::now;
+use super::words::{Message, capital, message, t};
 use super::{theme, widgets};
 
 /// How long what is done is shown.
@@ -16,12 +17,24 @@ const MOST: usize = 4;
 
 #[derive(Clone, Debug)]
 struct Toast {
-    text: String,
-    details: Option<String>,
+    said: Message,
     is_error: bool,
     saved: Option<PathBuf>,
     since_secs: f64,
     shows_details: bool,
+}
+
+impl Toast {
+    /// What is shown at once: of an error what, and what to do.
+    fn short(&self) -> String {
+        let text = self.said.text();
+        let parts: Vec<&str> = text.split(" — ").collect();
+        match parts.as_slice() {
+            [what, .., advice] if self.is_error => format!("{} — {}", capital(what), without_path(advice)),
+            _ if self.is_error => capital(&text),
+            _ => text,
+        }
+    }
 }
 
 /// All that is shown.
@@ -32,40 +45,35 @@ pub struct Toasts {
 
 impl Toasts {
     /// Something went well, or a person should know of it.
-    pub fn info(&mut self, text: &str) {
-        self.add(text, None, false, None);
+    pub fn info(&mut self, said: impl Into<Message>) {
+        self.add(said.into(), false, None);
     }
 
     /// Something failed. The sentence is "what — why — what to do"; what and what to do are shown, all of it under
-    /// "Details".
-    pub fn error(&mut self, sentence: &str) {
-        log::warn!("{sentence}");
-        let parts: Vec<&str> = sentence.split(" — ").collect();
-        let short = match parts.as_slice() {
-            [what, .., advice] => format!("{} — {}", capital(what), without_path(advice)),
-            _ => capital(sentence),
-        };
-        self.add(&short, Some(capital(sentence)), true, None);
+    /// t!("details").
+    pub fn error(&mut self, sentence: impl Into<Message>) {
+        let sentence = sentence.into();
+        log::warn!("{}", sentence.in_english());
+        self.add(sentence, true, None);
     }
 
     /// A file was written.
     pub fn saved(&mut self, path: PathBuf) {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        self.add(&format!("Saved {name}"), None, false, Some(path.clone()));
+        self.add(message!("saved", name = &*name), false, Some(path.clone()));
     }
 
-    fn add(&mut self, text: &str, details: Option<String>, is_error: bool, saved: Option<PathBuf>) {
-        let is_said = |toast: &Toast| toast.text == text;
-        self.shown.retain(|toast| !is_said(toast));
+    fn add(&mut self, said: Message, is_error: bool, saved: Option<PathBuf>) {
+        self.shown.retain(|toast| toast.said != said);
         let since_secs = now();
-        self.shown.push(Toast { text: text.to_owned(), details, is_error, saved, since_secs, shows_details: false });
+        self.shown.push(Toast { said, is_error, saved, since_secs, shows_details: false });
         let over = self.shown.len().saturating_sub(MOST);
         self.shown.drain(..over);
     }
 
     /// What was told last, while it is shown.
-    pub fn last(&self) -> Option<&str> {
-        self.shown.last().map(|toast| toast.text.as_str())
+    pub fn last(&self) -> Option<String> {
+        self.shown.last().map(|toast| toast.short())
     }
 
     /// What was told about another picture goes.
@@ -109,25 +117,23 @@ fn one(ui: &mut egui::Ui, toast: &mut Toast) -> bool {
         .shadow(egui::Shadow { offset: [0, 4], blur: 16, spread: 0, color: theme::HAIR_RIM });
     frame.show(ui, |ui| {
         ui.set_max_width(WIDTH);
-        ui.label(RichText::new(&toast.text).color(colors.strong));
-        if toast.shows_details
-            && let Some(details) = &toast.details
-        {
-            ui.label(RichText::new(details).small().color(colors.weak));
+        ui.label(RichText::new(toast.short()).color(colors.strong));
+        if toast.shows_details {
+            ui.label(RichText::new(capital(&toast.said.text())).small().color(colors.weak));
         }
         ui.horizontal(|ui| {
-            if toast.details.is_some() {
-                let label = if toast.shows_details { "Less" } else { "Details" };
+            if toast.is_error {
+                let label = if toast.shows_details { t!("less") } else { t!("details") };
                 if widgets::link(ui, label).clicked() {
                     toast.shows_details = !toast.shows_details;
                 }
             }
             if let Some(path) = &toast.saved
-                && widgets::link(ui, "Show in folder").clicked()
+                && widgets::link(ui, t!("show-in-folder")).clicked()
             {
                 show_in_folder(path);
             }
-            if widgets::link(ui, "Close").clicked() {
+            if widgets::link(ui, t!("close")).clicked() {
                 is_closed = true;
             }
         });
@@ -156,12 +162,7 @@ pub fn show_in_folder(path: &Path) {
     }
 }
 
-fn capital(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map(|first| first.to_uppercase().chain(chars).collect()).unwrap_or_default()
-}
-
-/// Advice without the path behind it, which is under "Details".
+/// Advice without the path behind it, which is under t!("details").
 fn without_path(advice: &str) -> &str {
     advice.split(": ").next().unwrap_or(advice)
 }

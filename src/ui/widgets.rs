@@ -6,6 +6,7 @@ use egui::{
 };
 
 use super::theme::{self, GRID};
+use super::words::{self, Id, t};
 
 /// Height of a row of the inspector.
 const ROW_HEIGHT: f32 = 20.0;
@@ -31,7 +32,7 @@ pub fn panel<T>(ui: &mut Ui, rect: Rect, fill: egui::Color32, add: impl FnOnce(&
 pub fn show_focus(ctx: &egui::Context) {
     let Some(response) = ctx.memory(|memory| memory.focused()).and_then(|id| ctx.read_response(id)) else { return };
     let colors = theme::palette(ctx);
-    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::unique("focus ring"));
+    let layer = egui::LayerId::new(egui::Order::Tooltip, egui::Id::unique("focus_ring"));
     let ring = response.rect.expand(1.0).intersect(ctx.content_rect().shrink(1.0));
     ctx.layer_painter(layer).rect_stroke(ring, theme::RADIUS, (2.0, colors.accent_text), StrokeKind::Outside);
 }
@@ -53,7 +54,7 @@ pub fn has_arrows(ctx: &egui::Context) -> bool {
 }
 
 fn takes_arrows() -> egui::Id {
-    egui::Id::unique("takes arrows")
+    egui::Id::unique("takes_arrows")
 }
 
 /// A plain button.
@@ -121,6 +122,12 @@ pub fn segmented<T: Clone + PartialEq>(
     is_changed
 }
 
+/// How wide such a choice is.
+pub fn segmented_width<T>(ui: &Ui, choices: &[(T, impl AsRef<str>)]) -> f32 {
+    let width = |text: &str| ui.painter().layout_no_wrap(text.to_owned(), theme::text(), theme::AS_IS).size().x;
+    choices.iter().map(|(_, label)| width(label.as_ref()) + 6.0 * GRID).sum::<f32>() + 4.0
+}
+
 /// A dialog of the window's own, with room round its content.
 pub fn modal(ctx: &egui::Context, name: &str) -> egui::Modal {
     let frame = egui::Frame::window(&ctx.global_style()).inner_margin(5.0 * GRID).shadow(egui::Shadow::NONE);
@@ -175,7 +182,7 @@ fn name(ui: &mut Ui, spec: &Number, value: &mut f32) {
     if label.double_clicked() {
         *value = spec.reset;
     }
-    label.on_hover_text(format!("{} · double-click resets", spec.hint));
+    label.on_hover_text(t!("resets", hint = spec.hint));
 }
 
 /// The number alone, without its name.
@@ -193,12 +200,18 @@ pub fn drag_value(ui: &mut Ui, value: &mut f32, spec: &Number) {
             .speed(spec.speed)
             .prefix(spec.prefix)
             .suffix(spec.suffix)
-            .custom_formatter(move |n, _| format!("{n:.decimals$}").replace('-', "−"))
-            .custom_parser(|text| text.trim().replace('−', "-").replace(',', ".").parse().ok());
+            .custom_formatter(move |n, _| words::number(n, decimals))
+            .custom_parser(words::typed);
         let response = ui.add(drag).on_hover_text(spec.hint);
         let label = spec.label.to_owned();
         response.widget_info(|| WidgetInfo::labeled(Role::SpinButton, true, &label));
     });
+}
+
+/// A number of egui's own as the language writes it.
+pub fn spoken(drag: egui::DragValue) -> egui::DragValue {
+    let shown = |n, decimals| words::decimal(&egui::emath::format_with_decimals_in_range(n, decimals));
+    drag.custom_formatter(shown).custom_parser(words::typed)
 }
 
 /// A slider over 0 to 1 with an amber part before the knob. Double-click asks for the reset value.
@@ -254,9 +267,10 @@ pub fn switch(ui: &mut Ui, label: &str, is_on: &mut bool, hint: &str) -> bool {
 }
 
 /// A section of the inspector: head, something beside it, and a body that folds away with a click on the head.
-pub fn section(ui: &mut Ui, title: &str, beside: impl FnOnce(&mut Ui), body: impl FnOnce(&mut Ui)) {
+pub fn section(ui: &mut Ui, title: Id, beside: impl FnOnce(&mut Ui), body: impl FnOnce(&mut Ui)) {
     let colors = theme::palette(ui.ctx());
-    let id = ui.scope_id().with(("section", title));
+    let id = ui.scope_id().with(("section", title.0));
+    let title = title.text();
     let is_open = ui.data_mut(|data| *data.get_persisted_mut_or(id, true));
     ui.horizontal(|ui| {
         let text = RichText::new(title).font(theme::head()).color(colors.weak);
@@ -316,9 +330,4 @@ pub fn hair_line(painter: &egui::Painter, from: egui::Pos2, to: egui::Pos2) {
 pub fn marker(painter: &egui::Painter, at: egui::Pos2, color: egui::Color32) {
     let corners = vec![at, at + Vec2::new(-4.0, -6.0), at + Vec2::new(4.0, -6.0)];
     painter.add(Shape::convex_polygon(corners, color, egui::Stroke::NONE));
-}
-
-/// A signed number as people write it: `+0.18`, `−0.40`.
-pub fn signed(value: f32, decimals: usize) -> String {
-    format!("{value:+.decimals$}").replace('-', "−")
 }

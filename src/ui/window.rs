@@ -25,6 +25,7 @@ use super::strength::Shaping;
 use super::tiles::Tiled;
 use super::toasts::Toasts;
 use super::trust::Tint;
+use super::words::{self, Language, message};
 use super::worker::Outbox;
 use super::workers::Workers;
 use crate::crash;
@@ -45,6 +46,8 @@ pub struct Options {
     pub shelf: Option<Shelf>,
     /// Where reports of faults lie, to be offered.
     pub crashes: Option<PathBuf>,
+    /// The language of the window by its tag; none is what the settings say.
+    pub language: Option<String>,
     /// Long side of a view, in pixels; none is what the settings say.
     pub long_side: Option<u32>,
     /// Threads for the nets; 0 is one for each core.
@@ -95,6 +98,8 @@ pub struct Window {
     pub dialog: Option<Dialog>,
     /// Small pictures of recent files.
     pub thumbnails: Vec<(PathBuf, egui::TextureHandle)>,
+    /// Languages that can be spoken.
+    pub languages: Vec<&'static Language>,
     /// Lenses that are known by name.
     pub lenses: Vec<KnownLens>,
     /// Further depth nets that ray depths can come from.
@@ -135,8 +140,11 @@ impl Window {
     ) -> Self {
         let pictures = render.map(FieldPictures::new);
         let (lenses, broken) = if remembers { known_lenses() } else { (published_lenses(), Vec::new()) };
+        let (languages, unreadable) = words::all(remembers);
+        words::speak(words::best(&languages, options.language.as_deref().or(settings.language.as_deref())));
         let mut toasts = Toasts::default();
-        broken.iter().for_each(|error| toasts.info(&error.to_string()));
+        unreadable.into_iter().for_each(|fault| toasts.info(fault));
+        broken.iter().for_each(|error| toasts.info(error.to_string()));
         Self {
             edit: settings.edit.clone(),
             settings,
@@ -157,6 +165,7 @@ impl Window {
             toasts,
             dialog: offer(options),
             thumbnails: Vec::new(),
+            languages,
             lenses,
             models: Vec::new(),
             source: DepthFrom::Auto,
@@ -313,9 +322,7 @@ impl Window {
                 self.repairs = repairs;
                 self.history.note(&self.step());
             }
-            None => self.toasts.error(&format!(
-                "this cannot be mended — it lies beside the photo, or {MOST} repairs are there already"
-            )),
+            None => self.toasts.error(message!("repair-refused", most = MOST)),
         }
     }
 }

@@ -9,6 +9,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::event::Event;
+use super::words::{Message, message};
 use crate::job::Cancel;
 
 /// Tells the results of one request from those of another.
@@ -177,10 +178,10 @@ fn next<R>(shared: &Shared<R>) -> Option<(JobId, R, Cancel)> {
     }
 }
 
-fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> Message {
     let what = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     let what = what.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
-    format!("the job broke off — a fault in the program ({what}) — try again, and report it if it happens twice")
+    message!("job-broke", what = what)
 }
 
 #[cfg(test)]
@@ -202,7 +203,7 @@ mod tests {
                     std::thread::yield_now();
                 }
             }
-            out.send(job, Event::Warning(name.to_owned()));
+            out.send(job, Event::Warning(Message::heard(name)));
         }
     }
 
@@ -215,7 +216,7 @@ mod tests {
         has_started.recv().unwrap();
         worker.replace("second");
         let third = worker.replace("third");
-        let name = |event| if let Event::Warning(name) = event { name } else { String::new() };
+        let name = |event| if let Event::Warning(name) = event { name.text() } else { String::new() };
         let got: Vec<_> = events.iter().take(2).map(|(job, event)| (job, name(event))).collect();
         assert_eq!(got, [(first, "first".to_owned()), (third, "third".to_owned())]);
     }
@@ -244,7 +245,7 @@ mod tests {
         });
         worker.push(true);
         worker.push(false);
-        assert!(matches!(events.recv().unwrap().1, Event::Failed(text) if text.contains("on purpose")));
+        assert!(matches!(events.recv().unwrap().1, Event::Failed(text) if text.text().contains("on purpose")));
         assert!(matches!(events.recv().unwrap().1, Event::Stopped));
     }
 }

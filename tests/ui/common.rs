@@ -52,6 +52,7 @@ fn window_of(size: [f32; 2], long_side: u32, shelf: Option<Shelf>, crashes: Opti
         long_side: Some(long_side),
         threads: 1,
         restores_last: false,
+        language: Some("en".to_owned()),
     };
     Harness::builder()
         .with_size(vec2(size[0], size[1]))

@@ -35,6 +35,7 @@ impl WindowExport {
             long_side: Some(long_side),
             threads: 1,
             restores_last: false,
+            language: Some("en".to_owned()),
         };
         let harness = Harness::builder().with_size(egui::vec2(1200.0, 1900.0)).with_max_steps(16).wgpu().build_eframe(
             move |creation| App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), None),

@@ -6,6 +6,7 @@ use crate::ui::action::Action;
 use crate::ui::added::Shown;
 use crate::ui::adding::Change;
 use crate::ui::near_end::PREVIEW;
+use crate::ui::words::{self, heard, t};
 use crate::ui::{theme, widgets};
 
 /// Long side of each picture, in points.
@@ -20,28 +21,28 @@ pub fn show(shown: &Shown, ctx: &Context) -> Vec<Action> {
     let drawn = modal.show(ctx, |ui| {
         ui.set_width(2.0 * SIDE + 16.0);
         ui.spacing_mut().item_spacing.y = 8.0;
-        ui.label(RichText::new(format!("Added {}", card.name)).font(theme::title(16.0)).color(colors.strong));
+        ui.label(RichText::new(t!("added-title", name = &card.name)).font(theme::title(16.0)).color(colors.strong));
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = 16.0;
-            for (texture, name) in shown.textures.iter().zip(["The sample", "Its depth by this net"]) {
+            for (texture, name) in shown.textures.iter().zip([t!("the-sample"), t!("its-depth")]) {
                 picture(ui, texture, name);
             }
         });
         for (name, value) in &card.facts {
-            fact(ui, name, value);
+            fact(ui, name.text(), &value.text());
         }
         if let Some(warning) = card.warning {
-            ui.label(RichText::new(capital(warning)).color(colors.accent_text));
+            ui.label(RichText::new(words::capital(&heard(warning))).color(colors.accent_text));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::main_button(ui, "Done").clicked() {
+            if widgets::main_button(ui, t!("done")).clicked() {
                 actions.push(Action::CloseDialog);
             }
-            let hint = "For every photo without depth of its own";
-            if widgets::button(ui, "Use for all photos").on_hover_text(hint).clicked() {
+            let hint = t!("use-for-all-hint");
+            if widgets::button(ui, t!("use-for-all")).on_hover_text(hint).clicked() {
                 actions.extend([Action::ChangeNets(Change::Prefer(Some(card.name.clone()))), Action::CloseDialog]);
             }
-            if widgets::button(ui, "Remove").clicked() {
+            if widgets::button(ui, t!("remove")).clicked() {
                 actions.extend([Action::ChangeNets(Change::Remove(card.name.clone())), Action::CloseDialog]);
             }
         });
@@ -76,9 +77,4 @@ fn fact(ui: &mut Ui, name: &str, value: &str) {
         ui.label(RichText::new(name).color(colors.weak));
         ui.label(RichText::new(value).color(colors.strong));
     });
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }

@@ -4,6 +4,7 @@ use egui::{Context, RichText, ScrollArea};
 
 use crate::ui::action::Action;
 use crate::ui::dialog::Broke;
+use crate::ui::words::t;
 use crate::ui::{theme, toasts, widgets};
 
 /// Room for a line of a report, in points.
@@ -16,9 +17,8 @@ pub fn show(broke: &mut Broke, ctx: &Context) -> Vec<Action> {
     let drawn = widgets::modal(ctx, "broke").show(ctx, |ui| {
         ui.set_width(WIDTH);
         ui.spacing_mut().item_spacing.y = 8.0;
-        ui.label(RichText::new("A fault in Plenoscope").font(theme::title(16.0)).color(colors.strong));
-        let told = "Something broke the last time. A report was kept on this machine: it holds no picture, and of files \
-                    no more than names. Nothing was sent. It helps whoever mends the fault.";
+        ui.label(RichText::new(t!("broke-title")).font(theme::title(16.0)).color(colors.strong));
+        let told = t!("broke-told");
         ui.label(RichText::new(told).color(colors.text));
         if broke.is_shown {
             ScrollArea::both().max_height(320.0).show(ui, |ui| {
@@ -26,16 +26,16 @@ pub fn show(broke: &mut Broke, ctx: &Context) -> Vec<Action> {
             });
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::main_button(ui, "Go on").clicked() {
+            if widgets::main_button(ui, t!("go-on")).clicked() {
                 actions.push(Action::CloseDialog);
             }
-            if widgets::button(ui, "Show in folder").clicked() {
+            if widgets::button(ui, t!("show-in-folder")).clicked() {
                 toasts::show_in_folder(&broke.report.path);
             }
-            if widgets::button(ui, "Copy report").clicked() {
+            if widgets::button(ui, t!("copy-report")).clicked() {
                 ui.copy_text(broke.report.text.clone());
             }
-            let label = if broke.is_shown { "Hide report" } else { "Show report" };
+            let label = if broke.is_shown { t!("hide-report") } else { t!("show-report") };
             if widgets::button(ui, label).clicked() {
                 broke.is_shown = !broke.is_shown;
             }

@@ -13,6 +13,7 @@ use crate::ui::open::Open;
 use crate::ui::rest::{AtRest, Seen};
 use crate::ui::sharp;
 use crate::ui::tiles::Tiled;
+use crate::ui::words::{self, t};
 use crate::ui::{theme, widgets};
 
 /// Seconds in which the picture takes the photo's place.
@@ -42,7 +43,7 @@ pub struct Canvas<'a> {
 pub fn show(mut shown: Canvas, ui: &mut Ui, canvas: Rect) {
     let Some(size) = shown.open.picture_size() else { return };
     let response = ui.interact(canvas, ui.scope_id().with("canvas"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Picture canvas"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, t!("picture-canvas")));
     move_picture(shown.look, ui, &response, canvas, size);
     look_and_focus(&mut shown, ui, &response, canvas, size);
     let rect = shown.look.pose.screen_rect(canvas, size);
@@ -270,8 +271,8 @@ fn split_line(split: &Split, ui: &Ui, canvas: Rect) {
     let painter = ui.painter_at(canvas);
     widgets::hair_line(&painter, pos2(x, canvas.top()), pos2(x, canvas.bottom()));
     painter.circle(pos2(x, canvas.center().y), 9.0, theme::VEIL, (1.5, theme::ON_VEIL));
-    widgets::veil_label(ui, pos2(x - 8.0, canvas.top() + 8.0), Align2::RIGHT_TOP, "Photo");
-    widgets::veil_label(ui, pos2(x + 8.0, canvas.top() + 8.0), Align2::LEFT_TOP, "Refocused");
+    widgets::veil_label(ui, pos2(x - 8.0, canvas.top() + 8.0), Align2::RIGHT_TOP, t!("split-photo"));
+    widgets::veil_label(ui, pos2(x + 8.0, canvas.top() + 8.0), Align2::LEFT_TOP, t!("split-refocused"));
 }
 
 /// Lines through the probe into both epipolar images, and a ring where the focus is set.
@@ -304,17 +305,18 @@ fn rings(shown: &Canvas, ui: &Ui, canvas: Rect, rect: Rect) {
         painter.circle_filled(at, 2.0, accent);
         let id = ui.scope_id().with(("ring", ring));
         let response = ui.interact(Rect::from_center_size(at, Vec2::splat(2.0)), id, Sense::hover());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("Kept sharp {}", ring + 1)));
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, t!("kept-sharp", number = ring + 1)));
     }
 }
 
 fn read_out(shown: &Canvas, ui: &Ui, canvas: Rect, size: Vec2) {
     let Canvas { open, edit, look, .. } = shown;
     let (x, y) = ((look.probe.x * size.x) as u32, (look.probe.y * size.y) as u32);
-    let mut text = format!("x {x}, y {y}");
+    let mut text = t!("readout-place", x = x, y = y);
     if open.grid().is_some() {
         let at = edit.viewpoint.0;
-        text += &format!(" · view ({}, {})", widgets::signed(at.du, 1), widgets::signed(at.dv, 1));
+        text += &t!("readout-view", u = words::signed(at.du, 1), v = words::signed(at.dv, 1));
     }
     let view = open.nearest_view(edit.viewpoint);
     if let (Some(view), Some(field)) = (view, open.field()) {
@@ -324,7 +326,7 @@ fn read_out(shown: &Canvas, ui: &Ui, canvas: Rect, size: Vec2) {
         text += &format!(" · #{r:02X}{g:02X}{b:02X}");
     }
     if let Some(d) = open.disparity_at(view, look.probe) {
-        text += &format!(" · {} px/view", widgets::signed(d, 2));
+        text += &t!("readout-depth", disparity = words::signed(d, 2));
     }
     widgets::veil_label(ui, canvas.left_bottom() + vec2(8.0, -8.0), Align2::LEFT_BOTTOM, &text);
 }

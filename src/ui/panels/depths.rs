@@ -9,6 +9,7 @@ use crate::scene::Edit;
 use crate::ui::field_pictures::{FieldPictures, Slot};
 use crate::ui::look::Look;
 use crate::ui::open::Open;
+use crate::ui::words::{self, t};
 use crate::ui::{theme, widgets};
 
 /// What the map shows, and what the pointer changes in it.
@@ -31,12 +32,12 @@ pub fn show(shown: Depths, ui: &mut Ui, area: Rect) {
     let (Some(size), Some(view), Some(rays)) = (open.picture_size(), open.nearest_view(edit.viewpoint), open.rays())
     else {
         let weak = theme::palette(ui.ctx()).weak;
-        ui.painter().text(area.center(), Align2::CENTER_CENTER, "No ray depths yet", theme::text(), weak);
+        ui.painter().text(area.center(), Align2::CENTER_CENTER, t!("no-depths-yet"), theme::text(), weak);
         return;
     };
     let range = rays.survey.range_px;
     let response = ui.interact(area, ui.scope_id().with("depths"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Ray depths canvas"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, t!("depths-canvas")));
     canvas::move_picture(look, ui, &response, area, size);
     let rect = look.pose.screen_rect(area, size);
     canvas::probe(open, edit, look, &response, rect);
@@ -51,14 +52,10 @@ pub fn show(shown: Depths, ui: &mut Ui, area: Rect) {
     }
     scale_bar(ui, area, range, colormap, look.hovered_px);
     let place = look.probe;
-    let mut text = format!("view ({}, {})", view.v, view.u);
+    let mut text = t!("depths-view", v = view.v, u = view.u);
     if let Some(d) = open.disparity_at(Some(view), place) {
-        text = format!(
-            "x {}, y {} · {text} · {} px/view",
-            (place.x * size.x) as u32,
-            (place.y * size.y) as u32,
-            widgets::signed(d, 2)
-        );
+        let [x, y] = [place.x * size.x, place.y * size.y].map(|at| at as u32);
+        text = t!("depths-readout", x = x, y = y, view = text, disparity = words::signed(d, 2));
     }
     widgets::veil_label(ui, area.left_bottom() + vec2(8.0, -8.0), Align2::LEFT_BOTTOM, &text);
 }
@@ -79,7 +76,7 @@ fn scale_bar(ui: &Ui, area: Rect, range: [f32; 2], colormap: Colormap, hovered_p
     }
     for (place, value) in [(0.0, range[1]), (0.5, (range[0] + range[1]) / 2.0), (1.0, range[0])] {
         let at = pos2(bar.right() + 5.0, bar.top() + place * bar.height());
-        ui.painter().text(at, Align2::LEFT_CENTER, widgets::signed(value, 2), theme::small(), theme::ON_VEIL);
+        ui.painter().text(at, Align2::LEFT_CENTER, words::with_sign(value, 2), theme::small(), theme::ON_VEIL);
     }
     if let Some(hovered) = hovered_px {
         let place = ((hovered - range[0]) / (range[1] - range[0])).clamp(0.0, 1.0);

@@ -9,6 +9,7 @@ use egui::{
 use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::jobs::OpenFrom;
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// Recent files that are shown.
@@ -32,28 +33,25 @@ pub fn show(recent: &[PathBuf], thumbnails: &Thumbnails, ui: &mut Ui) -> Option<
     let middle = Rect::from_center_size(area.center(), vec2(area.width().min(720.0), height));
     let builder = UiBuilder::new().max_rect(middle).layout(Layout::top_down(Align::Center));
     ui.scope_builder(builder, |ui| {
-        ui.label(RichText::new("Drop a photo to look into it").font(theme::title(24.0)).color(colors.strong));
+        ui.label(RichText::new(t!("empty-title")).font(theme::title(24.0)).color(colors.strong));
         ui.add_space(6.0);
-        ui.label(
-            RichText::new("One photo becomes a light field: look round, focus anywhere, open the lens")
-                .color(colors.weak),
-        );
+        ui.label(RichText::new(t!("empty-promise")).color(colors.weak));
         ui.add_space(20.0);
         ui.horizontal(|ui| {
             ui.add_space((ui.available_width() - 268.0).max(0.0) / 2.0);
-            if widgets::main_button(ui, "Open…").on_hover_text(Command::Open.tip(&ctx)).clicked() {
+            if widgets::main_button(ui, t!("open")).on_hover_text(Command::Open.tip(&ctx)).clicked() {
                 action = Some(Action::Do(Command::Open));
             }
-            if widgets::button(ui, "Paste").on_hover_text(Command::Paste.tip(&ctx)).clicked() {
+            if widgets::button(ui, t!("paste")).on_hover_text(Command::Paste.tip(&ctx)).clicked() {
                 action = Some(Action::Do(Command::Paste));
             }
-            if widgets::button(ui, "Try the sample").on_hover_text(Command::OpenSample.tip(&ctx)).clicked() {
+            if widgets::button(ui, t!("try-sample")).on_hover_text(Command::OpenSample.tip(&ctx)).clicked() {
                 action = Some(Action::Do(Command::OpenSample));
             }
         });
         if !recent.is_empty() {
             ui.add_space(28.0);
-            ui.label(RichText::new("Recent").font(theme::head()).color(colors.weak));
+            ui.label(RichText::new(t!("recent")).font(theme::head()).color(colors.weak));
             ui.add_space(4.0);
         }
         let width = recent.len() as f32 * (CARD.x + GAP) - GAP;
@@ -110,6 +108,6 @@ pub fn drop_hint(is_open: bool, ui: &Ui, all: Rect) {
     let painter = ui.ctx().layer_painter(egui::LayerId::new(egui::Order::Foreground, egui::Id::unique("drop")));
     painter.rect_filled(all, 0, theme::VEIL);
     painter.rect_stroke(all.shrink(12.0), 10, (2.0, colors.accent), StrokeKind::Inside);
-    let text = if is_open { "Drop to open instead" } else { "Drop to open" };
+    let text = if is_open { t!("drop-instead") } else { t!("drop") };
     painter.text(all.center(), Align2::CENTER_CENTER, text, theme::title(22.0), theme::ON_VEIL);
 }

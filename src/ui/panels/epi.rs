@@ -11,6 +11,7 @@ use crate::ui::action::Action;
 use crate::ui::field_pictures::{FieldPictures, Slot};
 use crate::ui::look::Look;
 use crate::ui::open::Open;
+use crate::ui::words::{self, t};
 use crate::ui::{theme, widgets};
 
 /// Pixels that a view is thick in the texture.
@@ -65,15 +66,15 @@ pub fn show(shown: Epis, ui: &Ui, [row, column, corner]: [Rect; 3]) -> Option<Ac
         ui,
         row.left_top() + vec2(6.0, 6.0),
         Align2::LEFT_TOP,
-        &format!("EPI u · row {}", photo_line(look.probe.y, size.y)),
+        &t!("epi-row", row = photo_line(look.probe.y, size.y)),
     );
-    widgets::veil_label(ui, column.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP, "EPI v");
+    widgets::veil_label(ui, column.left_top() + vec2(6.0, 6.0), Align2::LEFT_TOP, t!("epi-column"));
     if let Some(disparity) = disparity {
-        let text = widgets::signed(disparity, 2);
+        let text = words::with_sign(disparity, 2);
         let middle = corner.center();
-        ui.painter().text(middle - vec2(0.0, 12.0), Align2::CENTER_CENTER, "slope", theme::small(), colors.weak);
+        ui.painter().text(middle - vec2(0.0, 12.0), Align2::CENTER_CENTER, t!("slope"), theme::small(), colors.weak);
         ui.painter().text(middle + vec2(0.0, 5.0), Align2::CENTER_CENTER, text, theme::medium(), colors.strong);
-        ui.painter().text(middle + vec2(0.0, 21.0), Align2::CENTER_CENTER, "px/view", theme::small(), colors.weak);
+        ui.painter().text(middle + vec2(0.0, 21.0), Align2::CENTER_CENTER, t!("px-view"), theme::small(), colors.weak);
     }
     open.scene()?;
     let at = picture.min + look.probe * picture.size();
@@ -102,8 +103,8 @@ fn turned(ui: &Ui, [row, column]: [Rect; 2], at: egui::Pos2, lies: &Lies) -> Opt
     let down = pos2(at.x, row.top() + (f32::from(view.u) + 0.5) * pitch[0]);
     let across = pos2(column.left() + (f32::from(view.v) + 0.5) * pitch[1], at.y);
     let lines = [
-        (row, "the row", SlopeLine { through: down, pitch: pitch[0], per_px, is_row: true }),
-        (column, "the column", SlopeLine { through: across, pitch: pitch[1], per_px, is_row: false }),
+        (row, t!("the-row"), SlopeLine { through: down, pitch: pitch[0], per_px, is_row: true }),
+        (column, t!("the-column"), SlopeLine { through: across, pitch: pitch[1], per_px, is_row: false }),
     ];
     for (strip, name, line) in lines {
         if let Some((disparity_px, is_let_go)) = repair::dragged_slope(ui, strip, name, line) {

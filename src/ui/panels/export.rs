@@ -11,6 +11,7 @@ use crate::scene::{Edit, Embed, Movement, OutputSize};
 use crate::ui::action::Action;
 use crate::ui::ask::Ask;
 use crate::ui::open::Open;
+use crate::ui::words::{self, heard, t};
 use crate::ui::{theme, widgets};
 
 const WIDTH: f32 = 700.0;
@@ -39,7 +40,7 @@ pub fn show(mut export: Export, ctx: &Context) -> Vec<Action> {
         ui.set_width(WIDTH.min(ctx.content_rect().width() - 80.0));
         ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
         let count = export.photos.len();
-        let title = if count > 0 { format!("Export {count} photos") } else { "Export".to_owned() };
+        let title = if count > 0 { t!("export-photos", count = count) } else { t!("export").to_owned() };
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         ui.add_space(theme::GRID);
         let room = (ctx.content_rect().height() - 150.0).max(120.0);
@@ -47,10 +48,10 @@ pub fn show(mut export: Export, ctx: &Context) -> Vec<Action> {
         actions.extend(scroll.show(ui, |ui| body(ui, &mut export)).inner);
         ui.add_space(theme::GRID);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::main_button(ui, "Export").clicked() {
+            if widgets::main_button(ui, t!("export")).clicked() {
                 actions.extend([Action::CloseDialog, Action::StartExport(export.photos.to_vec())]);
             }
-            if widgets::button(ui, "Cancel").clicked() {
+            if widgets::button(ui, t!("cancel")).clicked() {
                 actions.push(Action::CloseDialog);
             }
         });
@@ -74,7 +75,7 @@ fn body(ui: &mut Ui, export: &mut Export) -> Option<Action> {
         let right = ui.vertical(|ui| {
             ui.set_width(ui.available_width());
             ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
-            ui.label(RichText::new(export.settings.kind.spec().hint).color(colors.weak));
+            ui.label(RichText::new(heard(export.settings.kind.spec().hint)).color(colors.weak));
             ui.add_space(theme::GRID);
             rows(ui, export);
             place_rows(ui, export)
@@ -88,14 +89,14 @@ fn kinds(ui: &mut Ui, kind: &mut Kind) {
     let colors = theme::palette(ui.ctx());
     ui.spacing_mut().item_spacing.y = 1.0;
     for (group, heading) in Group::ALL {
-        ui.label(RichText::new(heading).font(theme::head()).color(colors.weak));
+        ui.label(RichText::new(heard(heading)).font(theme::head()).color(colors.weak));
         ui.add_space(2.0);
         for spec in KINDS.iter().filter(|spec| spec.group == group) {
             let is_chosen = spec.kind == *kind;
-            let text = RichText::new(spec.label).color(if is_chosen { colors.strong } else { colors.text });
+            let text = RichText::new(heard(spec.label)).color(if is_chosen { colors.strong } else { colors.text });
             let fill = if is_chosen { colors.hovered } else { egui::Color32::TRANSPARENT };
             let button = egui::Button::new(text).fill(fill).min_size(vec2(LIST_WIDTH, 24.0)).right_text("");
-            if ui.add(button).on_hover_text(spec.hint).clicked() {
+            if ui.add(button).on_hover_text(heard(spec.hint)).clicked() {
                 *kind = spec.kind;
             }
         }
@@ -119,35 +120,35 @@ fn rows(ui: &mut Ui, export: &mut Export) {
         Kind::Animation => animation_rows(ui, settings),
         Kind::Video | Kind::Frames => film_rows(ui, settings),
         Kind::SideBySide | Kind::Mpo | Kind::Anaglyph => {
-            widgets::labelled(ui, "Eyes apart", |ui| {
+            widgets::labelled(ui, t!("eyes-apart"), |ui| {
                 let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
-                ui.add(drag.max_decimals(1).suffix(" views"));
-                ui.weak("more is deeper");
+                ui.add(widgets::spoken(drag).max_decimals(1).suffix(t!("suffix-views")));
+                ui.weak(t!("more-is-deeper"));
             });
         }
         Kind::Quilt => {
-            widgets::labelled(ui, "Display", |ui| {
+            widgets::labelled(ui, t!("display"), |ui| {
                 let names: Vec<_> = quilt::DEVICES.iter().map(|device| device.name).enumerate().collect();
-                widgets::segmented(ui, "Display", &mut settings.device, &names);
+                widgets::segmented(ui, t!("display"), &mut settings.device, &names);
             });
             let [[cols, rows], [w, h]] = [settings.device().grid, settings.device().size];
             widgets::labelled(ui, "", |ui| {
-                ui.weak(format!("{} viewpoints in {cols} × {rows} tiles, {w} × {h} px", cols * rows));
+                ui.weak(t!("quilt-holds", count = cols * rows, cols = cols, rows = rows, width = w, height = h));
             });
         }
         Kind::Views | Kind::Eslf | Kind::Hci | Kind::Stanford => {
             if let Some(field) = open.field() {
                 let (grid, [w, h]) = (field.grid(), field.size());
-                widgets::labelled(ui, "Holds", |ui| {
-                    ui.weak(format!("{} × {} views of {w} × {h} px", grid.cols(), grid.rows()));
+                widgets::labelled(ui, t!("holds"), |ui| {
+                    ui.weak(t!("views-of", cols = grid.cols(), rows = grid.rows(), width = w, height = h));
                 });
             }
         }
         Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth | Kind::Ply | Kind::Gaussians => {
             if let Some(rays) = open.rays() {
                 let [w, h] = rays.depths.size();
-                widgets::labelled(ui, "Size", |ui| {
-                    ui.weak(format!("{w} × {h} px, that of the views"));
+                widgets::labelled(ui, t!("size"), |ui| {
+                    ui.weak(t!("size-of-views", width = w, height = h));
                 });
             }
         }
@@ -155,28 +156,28 @@ fn rows(ui: &mut Ui, export: &mut Export) {
 }
 
 fn frames_row(ui: &mut Ui, settings: &mut Settings, is_animation: bool) {
-    widgets::labelled(ui, "Frames", |ui| {
+    widgets::labelled(ui, t!("frames"), |ui| {
         ui.add(egui::DragValue::new(&mut settings.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
         if is_animation {
             let rate = egui::DragValue::new(&mut settings.frames_per_second).range(1..=50).speed(0.1);
-            ui.add(rate.suffix(" a second"));
+            ui.add(rate.suffix(t!("suffix-a-second")));
             let secs = f32::from(settings.frames) / f32::from(settings.frames_per_second.max(1));
-            ui.weak(format!("{secs:.1} s"));
+            ui.weak(t!("seconds", secs = words::fixed(secs, 1)));
         }
     });
 }
 
 /// What moves: one of a list, of which the last needs a timeline.
 fn movement_row(ui: &mut Ui, settings: &mut Settings) {
-    widgets::labelled(ui, "Moves", |ui| {
+    widgets::labelled(ui, t!("moves"), |ui| {
         let name =
             |wanted: Movement| Movement::ALL.iter().find(|(movement, ..)| *movement == wanted).map_or("", |m| m.2);
-        let chosen = egui::ComboBox::from_id_salt("moves").selected_text(name(settings.movement));
+        let chosen = egui::ComboBox::from_id_salt("moves").selected_text(heard(name(settings.movement)));
         chosen.show_ui(ui, |ui| {
             let has_timeline = settings.timeline.is_some();
             for (movement, _, label, hint) in Movement::ALL {
                 if movement != Movement::Timeline || has_timeline {
-                    ui.selectable_value(&mut settings.movement, movement, label).on_hover_text(hint);
+                    ui.selectable_value(&mut settings.movement, movement, heard(label)).on_hover_text(heard(hint));
                 }
             }
         });
@@ -189,46 +190,46 @@ fn film_rows(ui: &mut Ui, settings: &mut Settings) {
     let (frames, rate_before) = settings.frames_and_rate();
     let is_film = settings.kind == Kind::Video;
     let film = &mut settings.film;
-    widgets::labelled(ui, "Frames", |ui| {
+    widgets::labelled(ui, t!("frames"), |ui| {
         if is_timed {
             ui.weak(frames.to_string());
         } else {
             ui.add(egui::DragValue::new(&mut film.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
         }
         let rate = egui::DragValue::new(&mut film.frames_per_second).range(1..=50).speed(0.1);
-        ui.add(rate.suffix(" a second"));
-        ui.weak(format!("{:.1} s", f32::from(frames) / f32::from(rate_before.max(1))));
+        ui.add(rate.suffix(t!("suffix-a-second")));
+        ui.weak(t!("seconds", secs = words::fixed(f32::from(frames) / f32::from(rate_before.max(1)), 1)));
     });
-    widgets::labelled(ui, "Fits into", |ui| {
+    widgets::labelled(ui, t!("fits-into"), |ui| {
         let all = [[1280, 720], [1920, 1080], [3840, 2160]].map(|size| (OutputSize::Within(size), size[1]));
         let names = all.map(|(size, height)| (size, format!("{height}p")));
         let names: Vec<_> = names.iter().map(|(size, name)| (*size, name.as_str())).collect();
-        widgets::segmented(ui, "Fits into", &mut film.size, &names);
+        widgets::segmented(ui, t!("fits-into"), &mut film.size, &names);
     });
     if !is_film {
         return;
     }
-    widgets::labelled(ui, "Format", |ui| {
+    widgets::labelled(ui, t!("format"), |ui| {
         let all = [("mp4", "MP4"), ("webm", "WebM")].map(|(ending, name)| (ending.to_owned(), name));
-        widgets::segmented(ui, "Format", &mut film.ending, &all);
+        widgets::segmented(ui, t!("format"), &mut film.ending, &all);
     });
 }
 
 fn animation_rows(ui: &mut Ui, settings: &mut Settings) {
     movement_row(ui, settings);
     frames_row(ui, settings, true);
-    widgets::labelled(ui, "Long side", |ui| {
+    widgets::labelled(ui, t!("long-side"), |ui| {
         let mut side = match settings.animation_size {
             OutputSize::LongSide(side) => side,
             _ => Settings::ANIMATION_PX,
         };
-        if ui.add(egui::DragValue::new(&mut side).range(64..=4096).speed(4).suffix(" px")).changed() {
+        if ui.add(egui::DragValue::new(&mut side).range(64..=4096).speed(4).suffix(t!("suffix-px"))).changed() {
             settings.animation_size = OutputSize::LongSide(side);
         }
     });
-    widgets::labelled(ui, "Format", |ui| {
+    widgets::labelled(ui, t!("format"), |ui| {
         let all = [("gif", "GIF"), ("apng", "APNG"), ("webp", "WebP")].map(|(suffix, name)| (suffix.to_owned(), name));
-        widgets::segmented(ui, "Format", &mut settings.animation, &all);
+        widgets::segmented(ui, t!("format"), &mut settings.animation, &all);
     });
 }
 
@@ -236,53 +237,57 @@ fn size_row(ui: &mut Ui, settings: &mut Settings, open: &Open) {
     let photo = open.photo().map(|photo| photo.size());
     let views = open.field().map_or([0, 0], |field| field.size());
     let size = &mut settings.picture.size;
-    widgets::labelled(ui, "Size", |ui| {
+    widgets::labelled(ui, t!("size"), |ui| {
         let Some(photo) = photo else {
-            let text = format!("{} × {} px, that of the views", views[0], views[1]);
+            let text = t!("size-of-views", width = views[0], height = views[1]);
             ui.weak(text);
             return;
         };
         let custom = if let OutputSize::LongSide(side) = *size { side } else { 2048 };
-        let choices = [(OutputSize::Photo, "Photo"), (OutputSize::LongSide(custom), "Long side")];
-        widgets::segmented(ui, "Size", size, &choices);
+        let choices = [(OutputSize::Photo, t!("photo")), (OutputSize::LongSide(custom), t!("long-side"))];
+        widgets::segmented(ui, t!("size"), size, &choices);
         if let OutputSize::LongSide(side) = size {
-            ui.add(egui::DragValue::new(side).range(16..=60_000).speed(8).suffix(" px"));
+            ui.add(egui::DragValue::new(side).range(16..=60_000).speed(8).suffix(t!("suffix-px")));
         }
         let [w, h] = size.of(photo);
-        ui.weak(format!("{w} × {h} px"));
+        ui.weak(t!("pixels", width = w, height = h));
     });
 }
 
 fn format_rows(ui: &mut Ui, settings: &mut Settings) {
     let settings = &mut settings.picture;
-    widgets::labelled(ui, "Format", |ui| {
+    widgets::labelled(ui, t!("format"), |ui| {
         let all = [(Format::Jpeg, "JPEG"), (Format::Png, "PNG"), (Format::Tiff, "TIFF"), (Format::WebP, "WebP")];
-        widgets::segmented(ui, "Format", &mut settings.format, &all);
+        widgets::segmented(ui, t!("format"), &mut settings.format, &all);
     });
     if settings.format == Format::Jpeg {
-        widgets::labelled(ui, "Quality", |ui| {
+        widgets::labelled(ui, t!("quality"), |ui| {
             ui.add(egui::DragValue::new(&mut settings.quality).range(1..=100).suffix(" %"));
         });
     }
     if settings.format.has_16_bits() {
-        widgets::labelled(ui, "Depth", |ui| {
-            widgets::segmented(ui, "Depth", &mut settings.bits, &[(8, "8 bits"), (16, "16 bits")]);
+        widgets::labelled(ui, t!("bit-depth"), |ui| {
+            widgets::segmented(ui, t!("bit-depth"), &mut settings.bits, &[(8, t!("bits-8")), (16, t!("bits-16"))]);
         });
     }
-    widgets::labelled(ui, "Metadata", |ui| {
-        let all = [(Keep::All, "Keep all"), (Keep::WithoutPosition, "Without the place"), (Keep::Nothing, "Drop all")];
-        widgets::segmented(ui, "Metadata", &mut settings.keep, &all);
+    widgets::labelled(ui, t!("metadata"), |ui| {
+        let all = [
+            (Keep::All, t!("keep-all")),
+            (Keep::WithoutPosition, t!("without-place")),
+            (Keep::Nothing, t!("drop-all")),
+        ];
+        widgets::segmented(ui, t!("metadata"), &mut settings.keep, &all);
     });
     let is_on = settings.keep != Keep::Nothing;
     let Embed { recipe, depth, photo } = &mut settings.embed;
-    widgets::labelled(ui, "Inside", |ui| {
+    widgets::labelled(ui, t!("inside"), |ui| {
         let mut part = |value: &mut bool, name: &str, hint: &str| {
             let shown = ui.add_enabled(is_on, egui::Checkbox::new(value, name)).on_hover_text(hint);
-            shown.on_disabled_hover_text("Nothing goes along where all metadata is dropped");
+            shown.on_disabled_hover_text(t!("inside-nothing"));
         };
-        part(recipe, "Edit", "The picture knows how it was made: opened again, photo and edit are back");
-        part(depth, "Depth", "The depth map, as phones write it (GDepth)");
-        part(photo, "Photo", "The photo's file itself, so that the edit needs nothing beside it");
+        part(recipe, t!("inside-edit"), t!("inside-edit-hint"));
+        part(depth, t!("inside-depth"), t!("inside-depth-hint"));
+        part(photo, t!("photo"), t!("inside-photo-hint"));
     });
 }
 
@@ -290,10 +295,10 @@ fn format_rows(ui: &mut Ui, settings: &mut Settings) {
 fn place_rows(ui: &mut Ui, export: &mut Export) -> Option<Action> {
     let Export { settings, photos, open, edit } = export;
     if settings.kind == Kind::Picture {
-        widgets::labelled(ui, "Name", |ui| {
+        widgets::labelled(ui, t!("name"), |ui| {
             let name = &mut settings.picture.name;
             let edit = egui::TextEdit::singleline(name).desired_width(f32::INFINITY);
-            ui.add(edit).on_hover_text("{name}, {f} and {focus} are filled in");
+            ui.add(edit).on_hover_text(t!("name-hint"));
         });
     }
     let target = match (photos.first(), open.document()) {
@@ -305,13 +310,13 @@ fn place_rows(ui: &mut Ui, export: &mut Export) -> Option<Action> {
         (None, None) => PathBuf::new(),
     };
     let mut action = None;
-    widgets::labelled(ui, "Folder", |ui| {
+    widgets::labelled(ui, t!("folder"), |ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::button(ui, "Choose…").clicked() {
+            if widgets::button(ui, t!("choose")).clicked() {
                 action = Some(Action::Ask(Ask::Folder { folder: target.parent().map(Path::to_owned) }));
             }
             if settings.folder.is_some()
-                && widgets::button(ui, "Beside photo").on_hover_text("Write beside each photo").clicked()
+                && widgets::button(ui, t!("beside-photo")).on_hover_text(t!("beside-photo-hint")).clicked()
             {
                 settings.folder = None;
             }
@@ -322,12 +327,16 @@ fn place_rows(ui: &mut Ui, export: &mut Export) -> Option<Action> {
             }
         });
     });
-    widgets::labelled(ui, "If it exists", |ui| {
-        let all = [(Existing::Number, "Add a number"), (Existing::Replace, "Replace"), (Existing::Leave, "Leave it")];
-        widgets::segmented(ui, "If it exists", &mut settings.existing, &all);
+    widgets::labelled(ui, t!("if-it-exists"), |ui| {
+        let all = [
+            (Existing::Number, t!("exists-number")),
+            (Existing::Replace, t!("exists-replace")),
+            (Existing::Leave, t!("exists-leave")),
+        ];
+        widgets::segmented(ui, t!("if-it-exists"), &mut settings.existing, &all);
     });
     let name = target.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    widgets::labelled(ui, "Writes", |ui| {
+    widgets::labelled(ui, t!("writes"), |ui| {
         ui.add(egui::Label::new(RichText::new(name).weak()).truncate());
     });
     action

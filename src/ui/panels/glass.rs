@@ -4,18 +4,19 @@ use egui::Ui;
 
 use crate::field::Glass;
 use crate::ui::widgets::{self, Number};
+use crate::ui::words::{id, t};
 
 /// The numbers.
 pub fn show(glass: &mut Glass, ui: &mut Ui) {
     let numbers = [
-        (&mut glass.anamorphic, "Anamorphic", 0.0, "Discs taller than wide: 1 is twice as tall"),
-        (&mut glass.spherical, "Spherical", -1.0, "Discs behind the focus: 1 a bright rim, −1 a bright middle"),
-        (&mut glass.fringes, "Fringes", 0.0, "Rims green behind the focus, magenta before it"),
-        (&mut glass.swirl, "Swirl", 0.0, "Discs cut towards the corners, and a curved sharp surface"),
+        (&mut glass.anamorphic, t!("anamorphic"), 0.0, t!("anamorphic-hint")),
+        (&mut glass.spherical, t!("spherical"), -1.0, t!("spherical-hint")),
+        (&mut glass.fringes, t!("fringes"), 0.0, t!("fringes-hint")),
+        (&mut glass.swirl, t!("swirl"), 0.0, t!("swirl-hint")),
     ];
     widgets::section(
         ui,
-        "Glass",
+        id!("section-glass"),
         |_| {},
         |ui| {
             for (value, label, least, hint) in numbers {

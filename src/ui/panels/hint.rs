@@ -6,6 +6,7 @@ use crate::ui::action::Action;
 use crate::ui::hints::Hint;
 use crate::ui::look::{Face, Look};
 use crate::ui::window::Window;
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// Room between a hint and the picture's rim.
@@ -27,7 +28,7 @@ pub fn show(window: &Window, ctx: &Context) -> Option<Action> {
         let inside = frame.show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(hint.text()).color(colors.strong));
-                widgets::link(ui, "Got it").clicked()
+                widgets::link(ui, t!("got-it")).clicked()
             })
             .inner
         });

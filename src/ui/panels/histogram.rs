@@ -3,6 +3,7 @@
 use egui::{Color32, Rect, RichText, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use crate::field::Histogram;
+use crate::ui::words::{self, id, t};
 use crate::ui::{theme, widgets};
 
 const HEIGHT: f32 = 56.0;
@@ -11,7 +12,7 @@ const HEIGHT: f32 = 56.0;
 pub fn show(histogram: &Histogram, ui: &mut Ui) {
     widgets::section(
         ui,
-        "Histogram",
+        id!("section-histogram"),
         |_| {},
         |ui| {
             let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
@@ -20,8 +21,8 @@ pub fn show(histogram: &Histogram, ui: &mut Ui) {
             for (bins, color) in histogram.bins.iter().zip(theme::CHANNELS) {
                 curve(ui, rect.shrink(2.0), bins, color);
             }
-            let text = format!("{} clipped dark · {} clipped bright", share(histogram.dark), share(histogram.bright));
-            response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, format!("Histogram, {text}")));
+            let text = t!("clipped", dark = share(histogram.dark), bright = share(histogram.bright));
+            response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, t!("histogram-said", text = &text)));
             ui.label(RichText::new(text).small().color(colors.weak));
         },
     );
@@ -38,8 +39,8 @@ fn curve(ui: &Ui, rect: Rect, bins: &[f32], color: Color32) {
 /// "0.3 %"; what is there is never nothing.
 fn share(share: f32) -> String {
     match share * 100.0 {
-        0.0 => "0 %".to_owned(),
-        percent if percent < 0.1 => "< 0.1 %".to_owned(),
-        percent => format!("{percent:.1} %"),
+        0.0 => t!("percent", share = 0),
+        percent if percent < 0.1 => t!("percent-below", share = words::fixed(0.1, 1)),
+        percent => t!("percent", share = words::fixed(percent, 1)),
     }
 }

@@ -26,6 +26,7 @@ use crate::ui::settings::Settings;
 use crate::ui::sharp;
 use crate::ui::theme::{self, GRID};
 use crate::ui::widgets::{self, Number};
+use crate::ui::words::{self, heard, id, t};
 
 const STRIP_HEIGHT: f32 = 96.0;
 
@@ -117,7 +118,7 @@ fn lens(
     let shape = lens.shape.clone();
     widgets::section(
         ui,
-        "Lens",
+        id!("section-lens"),
         |ui| (chosen, action) = opening::menu(ui, &shape),
         |ui| {
             aperture(ui, &mut lens.f_number, widest.map(|widest| (widest, settings.trust_percent)));
@@ -127,18 +128,18 @@ fn lens(
             ui.add_space(GRID);
             focus(ui, lens);
             opening::numbers(ui, &mut lens.shape);
-            widgets::switch(ui, "Focus peaking", &mut settings.peaking, &Command::Peaking.tip(ui.ctx()));
-            widgets::switch(ui, "Trust view", &mut settings.trust, &Command::Trust.tip(ui.ctx()));
+            widgets::switch(ui, t!("peaking"), &mut settings.peaking, &Command::Peaking.tip(ui.ctx()));
+            widgets::switch(ui, t!("trust"), &mut settings.trust, &Command::Trust.tip(ui.ctx()));
             if settings.trust {
                 let spec = Number {
-                    label: "Invented at most",
+                    label: t!("invented-most"),
                     range: [0.1, 50.0],
                     speed: 0.05,
                     decimals: 1,
                     prefix: "",
                     suffix: " %",
                     reset: 100.0 * USUAL_LIMIT,
-                    hint: "How much of the picture may be invented: the marks on aperture and pad",
+                    hint: t!("invented-most-hint"),
                 };
                 widgets::number(ui, &mut settings.trust_percent, &spec);
             }
@@ -161,19 +162,19 @@ fn f_from_place(place: f32) -> FNumber {
 fn aperture(ui: &mut Ui, f: &mut FNumber, trust: Option<(FNumber, f32)>) {
     let colors = theme::palette(ui.ctx());
     let spec = Number {
-        label: "Aperture",
+        label: t!("aperture"),
         range: [FNumber::WIDEST.0, FNumber::PHOTO.0],
         speed: 0.05,
         decimals: 1,
         prefix: "f/",
         suffix: "",
         reset: FNumber::PAPER_WIDEST.0,
-        hint: "How wide the lens opens",
+        hint: t!("aperture-hint"),
     };
     widgets::number(ui, &mut f.0, &spec);
     let mut place = place_from_f(*f);
     let reset = place_from_f(FNumber::PAPER_WIDEST);
-    let response = widgets::slider(ui, "Aperture slider", &mut place, reset);
+    let response = widgets::slider(ui, t!("aperture-slider"), &mut place, reset);
     if response.changed() {
         *f = f_from_place(place);
     }
@@ -181,14 +182,18 @@ fn aperture(ui: &mut Ui, f: &mut FNumber, trust: Option<(FNumber, f32)>) {
     if let Some((widest, percent)) = trust.filter(|(widest, _)| *widest != FNumber::WIDEST) {
         let at = pos2(track.left() + place_from_f(widest) * track.width(), response.rect.center().y - 5.0);
         widgets::marker(ui.painter(), at, colors.strong);
-        response.on_hover_text(format!("Beyond f/{:.1} more than {percent:.1} % of the picture is invented", widest.0));
+        response.on_hover_text(t!(
+            "aperture-beyond",
+            f = words::fixed(widest.0, 1),
+            percent = words::fixed(percent, 1)
+        ));
     }
     let (row, _) = ui.allocate_exact_size(vec2(ui.available_width(), 14.0), Sense::hover());
     for mark in [28.0f32, 14.0, 7.0, 3.5, 2.0, 1.0] {
         let at = place_from_f(FNumber(mark));
         let is_synthetic = mark < FNumber::PAPER_WIDEST.0;
         let color = colors.weak;
-        let text = if mark == 28.0 { "f/28".to_owned() } else { format!("{mark}") };
+        let text = if mark == 28.0 { "f/28".to_owned() } else { words::shortest(mark) };
         let align = [Align2::CENTER_CENTER, Align2::LEFT_CENTER, Align2::RIGHT_CENTER]
             [if mark == 28.0 { 1 } else { usize::from(mark == 1.0) * 2 }];
         let x = if mark == 28.0 { row.left() } else { track.left() + at * track.width() };
@@ -196,16 +201,16 @@ fn aperture(ui: &mut Ui, f: &mut FNumber, trust: Option<(FNumber, f32)>) {
         let label = ui.painter().text(pos2(x, row.center().y), align, text, theme::small(), color);
         let id = ui.scope_id().with(("mark", mark.to_bits()));
         let hit = ui.interact(label.expand(3.0), id, Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
-        hit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("f/{mark}")));
+        hit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("f/{}", words::shortest(mark))));
         if hit.clicked() {
             f.0 = mark;
         }
         if is_synthetic {
-            hit.on_hover_text("Synthetic: wider than the light field");
+            hit.on_hover_text(t!("synthetic-hint"));
         }
     }
     if f.0 < FNumber::PAPER_WIDEST.0 - 0.01 {
-        ui.label(RichText::new("synthetic: wider than the light field").small().color(colors.weak));
+        ui.label(RichText::new(t!("synthetic")).small().color(colors.weak));
     }
 }
 
@@ -216,36 +221,36 @@ fn focus(ui: &mut Ui, lens: &mut Lens) {
         speed: 0.005,
         decimals: 2,
         prefix: "",
-        suffix: " px/view",
+        suffix: t!("suffix-px-view"),
         reset: 0.0,
         hint,
     };
-    widgets::number(ui, &mut lens.focus.disparity_px, &number("Focus", [-32.0, 32.0], "Disparity that is sharp"));
+    widgets::number(ui, &mut lens.focus.disparity_px, &number(t!("focus-number"), [-32.0, 32.0], t!("focus-hint")));
     let colors = theme::palette(ui.ctx());
     ui.horizontal(|ui| {
-        let text = RichText::new("Keep sharp").color(colors.text);
+        let text = RichText::new(t!("keep-sharp")).color(colors.text);
         let label = ui.add(egui::Label::new(text).sense(Sense::click()));
         if label.double_clicked() {
             lens.keep_sharp_px = [0.0, 0.0];
         }
-        label.on_hover_text("Depths around the focus that stay sharp too · double-click resets");
+        label.on_hover_text(t!("keep-sharp-hint"));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 0.0;
             let [far, near] = &mut lens.keep_sharp_px;
-            let near_spec = Number { suffix: "", ..number("Keep sharp, nearer", [0.0, 32.0], "Towards the eye") };
+            let near_spec = Number { suffix: "", ..number(t!("sharp-nearer"), [0.0, 32.0], t!("sharp-nearer-hint")) };
             widgets::drag_value(ui, near, &near_spec);
             ui.label(RichText::new("…").color(colors.weak));
-            let far_spec = Number { suffix: "", ..number("Keep sharp, farther", [-32.0, 0.0], "Away from the eye") };
+            let far_spec = Number { suffix: "", ..number(t!("sharp-farther"), [-32.0, 0.0], t!("sharp-farther-hint")) };
             widgets::drag_value(ui, far, &far_spec);
         });
     });
-    let tilt = |label, hint| Number { suffix: " px", ..number(label, [-16.0, 16.0], hint) };
+    let tilt = |label, hint| Number { suffix: t!("suffix-px"), ..number(label, [-16.0, 16.0], hint) };
     let [across, down] = &mut lens.focus.tilt_px;
-    widgets::number(ui, across, &tilt("Tilt across", "Focal plane: growth from the left edge to the right"));
-    widgets::number(ui, down, &tilt("Tilt down", "Focal plane: growth from the upper edge to the lower"));
+    widgets::number(ui, across, &tilt(t!("tilt-across"), t!("tilt-across-hint")));
+    widgets::number(ui, down, &tilt(t!("tilt-down"), t!("tilt-down-hint")));
     let shares = [
-        (&mut lens.highlights, "Highlights", "Brightens clipped lights before they are blurred (at photo size)"),
-        (&mut lens.grain, "Grain", "Puts the photo's own grain back into what is blurred (at photo size)"),
+        (&mut lens.highlights, t!("highlights"), t!("highlights-hint")),
+        (&mut lens.grain, t!("grain"), t!("grain-hint")),
     ];
     for (share, label, hint) in shares {
         let mut percent = *share * 100.0;
@@ -276,8 +281,8 @@ fn viewpoint(mut eye: Eye, survey: Option<&Survey>, ui: &mut Ui) -> Option<Actio
     let (mut action, mut beside) = (None, None);
     widgets::section(
         ui,
-        "Viewpoint",
-        |ui| beside = link(ui, "centre ↺", Command::ResetViewpoint),
+        id!("section-viewpoint"),
+        |ui| beside = link(ui, t!("link-centre"), Command::ResetViewpoint),
         |ui| {
             ui.horizontal_top(|ui| {
                 pad(&mut eye, survey, ui);
@@ -286,11 +291,11 @@ fn viewpoint(mut eye: Eye, survey: Option<&Survey>, ui: &mut Ui) -> Option<Actio
                     ui.set_width(ui.available_width());
                     coordinates(&mut eye, ui);
                     ui.add_space(GRID);
-                    let label = if *eye.is_circling { "stop circle" } else { "▶ circle" };
+                    let label = if *eye.is_circling { t!("link-stop-circle") } else { t!("link-circle") };
                     action = link(ui, label, Command::Circle);
                     ui.add_space(GRID);
                     let weak = theme::palette(&ctx).weak;
-                    ui.label(RichText::new("drag the picture\nto look round").small().color(weak));
+                    ui.label(RichText::new(t!("drag-to-look")).small().color(weak));
                 });
             });
         },
@@ -310,14 +315,14 @@ fn coordinates(eye: &mut Eye, ui: &mut Ui) {
         prefix: "",
         suffix: "",
         reset: 0.0,
-        hint: "Steps from where the photo was taken",
+        hint: t!("step-hint"),
     };
     widgets::number(ui, &mut at.0.du, &spec("u", [lo.du, hi.du]));
     widgets::number(ui, &mut at.0.dv, &spec("v", [lo.dv, hi.dv]));
     let (pivot, width) = &mut eye.pivot;
     let mut px = **pivot * *width;
-    let hint = "The disparity of what stays where it is while you look round; Ctrl-click sets it";
-    if widgets::number(ui, &mut px, &Number { decimals: 2, speed: 0.01, hint, ..spec("Pivot", [-32.0, 32.0]) }) {
+    let hint = t!("pivot-hint");
+    if widgets::number(ui, &mut px, &Number { decimals: 2, speed: 0.01, hint, ..spec(t!("pivot"), [-32.0, 32.0]) }) {
         **pivot = px / *width;
     }
 }
@@ -330,7 +335,7 @@ fn pad(eye: &mut Eye, survey: Option<&Survey>, ui: &mut Ui) {
     let pitch = (128.0 / most).clamp(8.0, 18.0).floor();
     let size = vec2(grid.cols() as f32 * pitch, grid.rows() as f32 * pitch);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Group, true, "Viewpoint pad"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Group, true, t!("pad")));
     let zero = grid.reference();
     if let Some(at) = response.interact_pointer_pos() {
         let place = (at - rect.min) / pitch - vec2(0.5, 0.5);
@@ -355,9 +360,7 @@ fn pad(eye: &mut Eye, survey: Option<&Survey>, ui: &mut Ui) {
     let at = eye.at.0.to_vec2();
     let at = rect.min + vec2(at.x + f32::from(zero.u) + 0.5, at.y + f32::from(zero.v) + 0.5) * pitch;
     ui.painter().circle(at, 2.5, colors.strong, (1.0, colors.panel));
-    response.on_hover_text(
-        "Click or drag: where the eye is. Brighter cells hold less that was invented, those within the line no more than is set. Shift: between views",
-    );
+    response.on_hover_text(t!("pad-hint"));
 }
 
 /// A line round the views that hold something.
@@ -395,13 +398,13 @@ fn ray_depths(
     let mut action = None;
     widgets::section(
         ui,
-        "Ray depths",
+        id!("section-depths"),
         |ui| colormap_menu(ui, &mut map),
         |ui| {
             let width = ui.available_width();
             let height = (width * size.y / size.x).min(150.0);
             let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Ray depths picture"));
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, t!("depths-picture")));
             if let Some(id) = pictures.and_then(|pictures| pictures.show(Slot::Depth, draw)) {
                 // The middle of the map, so that nothing is squeezed.
                 let cut = (1.0 - height / (width * size.y / size.x)) / 2.0;
@@ -415,11 +418,11 @@ fn ray_depths(
             let colors = theme::palette(ui.ctx());
             let (row, _) = ui.allocate_exact_size(vec2(width, 16.0), Sense::hover());
             let y = row.center().y;
-            let [far, near] = range.map(|d| widgets::signed(d, 2));
+            let [far, near] = range.map(|d| words::signed(d, 2));
             let texts = [
-                (pos2(row.left(), y), Align2::LEFT_CENTER, format!("far {far}")),
-                (pos2(row.center().x, y), Align2::CENTER_CENTER, "px/view".to_owned()),
-                (pos2(row.right(), y), Align2::RIGHT_CENTER, format!("near {near}")),
+                (pos2(row.left(), y), Align2::LEFT_CENTER, t!("depths-far", disparity = far)),
+                (pos2(row.center().x, y), Align2::CENTER_CENTER, t!("px-view").to_owned()),
+                (pos2(row.right(), y), Align2::RIGHT_CENTER, t!("depths-near", disparity = near)),
             ];
             for (at, align, text) in texts {
                 ui.painter().text(at, align, text, theme::small(), colors.weak);
@@ -431,10 +434,10 @@ fn ray_depths(
 }
 
 fn colormap_menu(ui: &mut Ui, map: &mut Colormap) {
-    let text = RichText::new(format!("{} ▼", map.label())).small().color(theme::palette(ui.ctx()).weak);
+    let text = RichText::new(format!("{} ▼", heard(map.label()))).small().color(theme::palette(ui.ctx()).weak);
     ui.menu_button(text, |ui| {
         for choice in Colormap::ALL {
-            if ui.selectable_label(*map == choice, choice.label()).clicked() {
+            if ui.selectable_label(*map == choice, heard(choice.label())).clicked() {
                 *map = choice;
                 ui.close();
             }

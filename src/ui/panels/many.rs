@@ -7,6 +7,7 @@ use egui::{Context, RichText, Ui};
 use crate::ui::action::Action;
 use crate::ui::dialog::Dialog;
 use crate::ui::jobs::OpenFrom;
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// Names that are listed.
@@ -20,12 +21,12 @@ pub fn show(files: &[PathBuf], is_one_subject: &mut bool, ctx: &Context) -> Vec<
     let shown = modal.show(ctx, |ui| {
         ui.set_width(420.0);
         ui.spacing_mut().item_spacing.y = 8.0;
-        let title = format!("{} files", files.len());
+        let title = t!("files-count", count = files.len());
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let mut names: Vec<String> = files.iter().take(LISTED).map(|path| name(path)).collect();
         if files.len() > LISTED {
-            names.push(format!("and {} more", files.len() - LISTED));
+            names.push(t!("and-more", count = files.len() - LISTED));
         }
         ui.label(RichText::new(names.join(", ")).color(colors.weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -33,24 +34,23 @@ pub fn show(files: &[PathBuf], is_one_subject: &mut bool, ctx: &Context) -> Vec<
                 true => widgets::main_button(ui, text),
                 false => widgets::button(ui, text),
             };
-            let hint =
-                "A hand took them from places a little apart: depth is measured, and what one hides another shows";
-            if button(ui, "One subject", *is_one_subject).on_hover_text(hint).clicked() {
+            let hint = t!("one-subject-hint");
+            if button(ui, t!("one-subject"), *is_one_subject).on_hover_text(hint).clicked() {
                 *is_one_subject = true;
                 actions.push(Action::CloseDialog);
                 actions.push(Action::Open(OpenFrom::Several(files.to_vec())));
             }
-            if button(ui, "Open the first", !*is_one_subject).clicked() {
+            if button(ui, t!("open-first"), !*is_one_subject).clicked() {
                 *is_one_subject = false;
                 actions.push(Action::CloseDialog);
                 actions.extend(files.first().map(|first| Action::Open(OpenFrom::File(first.clone()))));
             }
-            let hint = "Each one becomes a light field and is written with the lens that is set now";
-            if widgets::button(ui, "Export all…").on_hover_text(hint).clicked() {
+            let hint = t!("export-all-hint");
+            if widgets::button(ui, t!("export-all")).on_hover_text(hint).clicked() {
                 *is_one_subject = false;
                 actions.push(Action::Show(Dialog::Export(files.to_vec())));
             }
-            if widgets::button(ui, "Cancel").clicked() {
+            if widgets::button(ui, t!("cancel")).clicked() {
                 actions.push(Action::CloseDialog);
             }
         });

@@ -2,13 +2,14 @@
 
 use egui::{Align, Button, Layout, RichText, ScrollArea, Ui, vec2};
 
-use crate::repair::{Entry, Operation, Repair, Repairs};
+use crate::repair::{Entry, Operation, Repairs};
 use crate::scene::Making;
 use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::mending::{Mending, Tool};
 use crate::ui::theme::{self, GRID};
 use crate::ui::widgets::{self, Number};
+use crate::ui::words::{heard, id, t};
 
 /// Buttons side by side.
 const ROW: usize = 3;
@@ -23,10 +24,10 @@ pub fn show(mending: &mut Mending, repairs: &Repairs, ui: &mut Ui) -> Vec<Action
     }
     let mut actions = Vec::new();
     let (mut leaves, tip) = (false, Command::Repair.tip(ui.ctx()));
-    let word = if mending.is_on { "done" } else { "mend" };
+    let word = if mending.is_on { t!("link-done") } else { t!("link-mend") };
     widgets::section(
         ui,
-        "Repair",
+        id!("section-repair"),
         |ui| leaves = widgets::link(ui, word).on_hover_text(tip).clicked(),
         |ui| {
             if mending.is_on {
@@ -44,9 +45,9 @@ pub fn show(mending: &mut Mending, repairs: &Repairs, ui: &mut Ui) -> Vec<Action
 
 fn tools(mending: &mut Mending, ui: &mut Ui) {
     let before = mending.tool;
-    widgets::segmented(ui, "Repair tool", &mut mending.tool, &Tool::ALL[..2]);
+    widgets::segmented(ui, t!("repair-tool"), &mut mending.tool, &Tool::ALL[..2]);
     ui.add_space(GRID);
-    widgets::segmented(ui, "Repair brush", &mut mending.tool, &Tool::ALL[2..]);
+    widgets::segmented(ui, t!("repair-brush"), &mut mending.tool, &Tool::ALL[2..]);
     ui.add_space(GRID);
     if before != mending.tool {
         mending.choose(None);
@@ -67,17 +68,17 @@ fn of_tool(mending: &mut Mending, ui: &mut Ui) -> Vec<Action> {
     };
     if let Tool::Brush(_) = mending.tool {
         let mut percent = mending.brush * 100.0;
-        widgets::number(ui, &mut percent, &share("Brush", Mending::BRUSH, "Its diameter, of the longer side. Wheel"));
+        widgets::number(ui, &mut percent, &share(t!("brush"), Mending::BRUSH, t!("brush-hint")));
         mending.brush = percent / 100.0;
         let spec = Number {
-            label: "Strength",
+            label: t!("brush-strength"),
             range: [0.0, 1.0],
             speed: 0.01,
             decimals: 2,
             prefix: "",
             suffix: "",
             reset: Mending::STRENGTH,
-            hint: "How much a stroke does",
+            hint: t!("brush-strength-hint"),
         };
         widgets::number(ui, &mut mending.strength, &spec);
         return Vec::new();
@@ -85,21 +86,21 @@ fn of_tool(mending: &mut Mending, ui: &mut Ui) -> Vec<Action> {
     let before = mending.reach * 100.0;
     let mut percent = before;
     if mending.tool == Tool::Thing {
-        let hint = "How far the thing reaches from the click, of the longer side. Wheel";
-        widgets::number(ui, &mut percent, &share("Reach", Mending::REACH, hint));
+        let hint = t!("reach-hint");
+        widgets::number(ui, &mut percent, &share(t!("reach"), Mending::REACH, hint));
     }
     if percent != before {
         mending.grow(percent / before);
     }
     let spec = Number {
-        label: "By",
+        label: t!("by"),
         range: [0.01, 5.0],
         speed: 0.005,
         decimals: 2,
         prefix: "",
-        suffix: " px/view",
+        suffix: t!("suffix-px-view"),
         reset: Mending::BY_PX,
-        hint: "By how much Nearer and Farther move the thing",
+        hint: t!("by-hint"),
     };
     widgets::number(ui, &mut mending.by_px, &spec);
     operations(mending, ui)
@@ -108,12 +109,12 @@ fn of_tool(mending: &mut Mending, ui: &mut Ui) -> Vec<Action> {
 fn operations(mending: &Mending, ui: &mut Ui) -> Vec<Action> {
     let by = mending.by_px / Making::LONG_SIDE as f32;
     let all = [
-        (Operation::Nearer(by), "Nearer", "All of the thing comes nearer"),
-        (Operation::Farther(by), "Farther", "All of the thing goes farther away"),
-        (Operation::Flatten, "Flatten", "A card that faces the camera"),
-        (Operation::Stand, "Stand", "A vertical plane on the thing's foot"),
-        (Operation::Lie, "Lie", "A part of the ground around the thing"),
-        (Operation::Join, "Join", "The depth of the neighbour that goes on in the same colours"),
+        (Operation::Nearer(by), t!("nearer"), t!("nearer-hint")),
+        (Operation::Farther(by), t!("farther"), t!("farther-hint")),
+        (Operation::Flatten, t!("flatten"), t!("flatten-hint")),
+        (Operation::Stand, t!("stand"), t!("stand-hint")),
+        (Operation::Lie, t!("lie"), t!("lie-hint")),
+        (Operation::Join, t!("join"), t!("join-hint")),
     ];
     let mut actions = Vec::new();
     let has_thing = mending.chosen().is_some();
@@ -130,8 +131,8 @@ fn operations(mending: &Mending, ui: &mut Ui) -> Vec<Action> {
     if !has_thing {
         let weak = theme::palette(ui.ctx()).weak;
         let text = match mending.tool {
-            Tool::Lasso => "Draw round a thing in the picture",
-            _ => "Click a thing in the picture; the wheel grows it",
+            Tool::Lasso => t!("draw-round"),
+            _ => t!("click-thing"),
         };
         ui.label(RichText::new(text).small().color(weak));
     }
@@ -145,14 +146,14 @@ fn list(mending: &mut Mending, repairs: &Repairs, ui: &mut Ui) -> Option<Action>
     ui.add_space(GRID);
     ScrollArea::vertical().id_salt("repairs").max_height(LIST_HEIGHT).show(ui, |ui| {
         for (number, entry) in repairs.entries().iter().enumerate() {
-            let name = entry.repair().map_or("Not known to this version", Repair::label);
+            let name = entry.repair().map_or(t!("repair-unknown").into(), |repair| heard(repair.label()));
             let row = ui.horizontal(|ui| {
                 let weak = matches!(entry, Entry::Unknown(_));
                 let color = if weak { colors.weak } else { colors.strong };
                 ui.label(RichText::new(format!("{}  {name}", number + 1)).color(color));
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    let remove = ui.small_button("×").on_hover_text("Take this repair away");
-                    let label = format!("Remove repair {}", number + 1);
+                    let remove = ui.small_button("×").on_hover_text(t!("repair-remove-hint"));
+                    let label = t!("repair-remove", number = number + 1);
                     remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &label));
                     if remove.clicked() {
                         action = Some(Action::Unrepair(number));

@@ -32,6 +32,7 @@ mod timeline;
 mod top_bar;
 mod views;
 
+use crate::ui::words::t;
 use egui::{Align2, Context, Rect, Ui, pos2, vec2};
 
 use super::action::Action;
@@ -179,9 +180,9 @@ fn compared(window: &Window, ui: &Ui, canvas: Rect) {
     let Some(index) = all.iter().position(|(source, _)| *source == window.looked_at()) else { return };
     let (name, count) = (&all[index].1, all.len());
     let text = match (is_compared, window.loading.running()) {
-        (true, Some(_)) => format!("{name} is being made · {} of {count} · S next · Esc back", index + 1),
-        (true, None) => format!("{name} · {} of {count} · S next · Shift+S keeps it · Esc back", index + 1),
-        (false, _) if count > 1 => format!("{name} · S compares {count} sources"),
+        (true, Some(_)) => t!("source-made", name = name, number = index + 1, count = count),
+        (true, None) => t!("source-compared", name = name, number = index + 1, count = count),
+        (false, _) if count > 1 => t!("source-alone", name = name, count = count),
         (false, _) => name.clone(),
     };
     veil_label(ui, canvas.left_top() + vec2(8.0, 8.0), Align2::LEFT_TOP, &text);
@@ -209,14 +210,18 @@ fn top_bar(window: &mut Window, ui: &mut Ui, is_narrow: bool) -> Vec<Action> {
 
 fn status_line(window: &Window, ui: &Ui) -> Option<Action> {
     let Window { open, queue, look, threads, .. } = window;
-    let drawn_by = window.pictures.as_ref().map_or("no device", |pictures| pictures.adapter.as_str());
+    let drawn_by = match &window.pictures {
+        None => t!("no-device"),
+        Some(pictures) if pictures.is_software() => t!("the-processor"),
+        Some(pictures) => pictures.adapter.as_str(),
+    };
     let loading = window.loading.running().or(window.adding.as_ref());
     status::show(&Status { open, loading, queue, look, drawn_by, threads: *threads }, ui)
 }
 
 /// Draws the dialog that is open.
 pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
-    let Window { open, edit, settings, dialog, timeline, .. } = window;
+    let Window { open, edit, settings, dialog, timeline, languages, .. } = window;
     match dialog {
         None => Vec::new(),
         Some(Dialog::Export(photos)) => {
@@ -225,7 +230,7 @@ pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
         }
         Some(Dialog::Shortcuts) => sheet::show(ctx),
         Some(Dialog::Presets { names, new }) => presets::show(names, new, ctx),
-        Some(Dialog::Settings) => settings::show(settings, ctx),
+        Some(Dialog::Settings) => settings::show(settings, languages, ctx),
         Some(Dialog::Path(wanted, text)) => path_box::show(*wanted, text, ctx),
         Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),
         Some(Dialog::Added(shown)) => added::show(shown, ctx),

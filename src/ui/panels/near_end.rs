@@ -5,6 +5,7 @@ use egui::{Context, CursorIcon, RichText, Sense, StrokeKind, TextureHandle, Ui, 
 use crate::io::formats::depth_map::NearEnd;
 use crate::ui::action::Action;
 use crate::ui::near_end::{PREVIEW, Question, Reading};
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// Draws the question.
@@ -12,13 +13,12 @@ pub fn show(question: &Question, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
     let mut answer = None;
     let mut is_open = true;
-    let modal = widgets::modal(ctx, "near end");
+    let modal = widgets::modal(ctx, "near_end");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(2.0 * PREVIEW as f32 + 16.0);
         ui.spacing_mut().item_spacing.y = 8.0;
-        ui.label(RichText::new("Which one has near things in red?").font(theme::title(16.0)).color(colors.strong));
-        let text =
-            format!("{} does not say which end of its values is near. Click the picture that is right", question.name);
+        ui.label(RichText::new(t!("near-end-title")).font(theme::title(16.0)).color(colors.strong));
+        let text = t!("near-end-ask", name = &question.name);
         ui.label(RichText::new(text).color(colors.weak));
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = 16.0;
@@ -29,7 +29,7 @@ pub fn show(question: &Question, ctx: &Context) -> Vec<Action> {
             }
         });
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::button(ui, "Cancel").clicked() {
+            if widgets::button(ui, t!("cancel")).clicked() {
                 is_open = false;
             }
         });
@@ -51,13 +51,13 @@ fn preview(ui: &mut Ui, reading: &Reading, texture: &TextureHandle, is_likely: b
         let (rect, response) = ui.allocate_exact_size(vec2(PREVIEW as f32, size.y), Sense::click());
         let at = egui::Rect::from_center_size(rect.center(), size);
         widgets::picture(ui.painter(), texture.id(), at, widgets::WHOLE, 1.0);
-        let name = if reading.end == NearEnd::White { "Large values are near" } else { "Small values are near" };
+        let name = if reading.end == NearEnd::White { t!("near-large") } else { t!("near-small") };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         if response.hovered() || response.has_focus() {
             ui.painter().rect_stroke(at, theme::PICTURE_RADIUS, (2.0, colors.accent), StrokeKind::Outside);
         }
-        let guess = if is_likely { " · likely" } else { "" };
-        let label = RichText::new(format!("{name}{guess}")).color(colors.text);
+        let label =
+            RichText::new(if is_likely { t!("near-likely", name = name) } else { name.to_owned() }).color(colors.text);
         ui.vertical_centered(|ui| ui.label(label));
         response.on_hover_cursor(CursorIcon::PointingHand).clicked()
     })

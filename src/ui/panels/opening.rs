@@ -7,6 +7,7 @@ use crate::ui::action::Action;
 use crate::ui::ask::Ask;
 use crate::ui::theme;
 use crate::ui::widgets::{self, Number};
+use crate::ui::words::t;
 
 /// Side of the small picture of an opening, in points, and its cells.
 const PREVIEW: f32 = 64.0;
@@ -33,8 +34,7 @@ pub fn menu(ui: &mut Ui, shape: &LensShape) -> (Option<LensShape>, Option<Action
             }
         }
         let is_picture = matches!(shape, LensShape::Picture(_));
-        if ui.selectable_label(is_picture, "picture…").on_hover_text("A picture of your own: white is open").clicked()
-        {
+        if ui.selectable_label(is_picture, t!("opening-own")).on_hover_text(t!("opening-own-hint")).clicked() {
             action = Some(Action::Ask(Ask::Opening));
             ui.close();
         }
@@ -44,12 +44,12 @@ pub fn menu(ui: &mut Ui, shape: &LensShape) -> (Option<LensShape>, Option<Action
 
 fn described(shape: &LensShape) -> (&'static str, &'static str) {
     match shape {
-        LensShape::Disc => ("disc", "A round lens"),
-        LensShape::Square => ("square", "The square of the light field's own views"),
-        LensShape::Blades { .. } => ("blades", "A polygon of straight blades"),
-        LensShape::Ring { .. } => ("ring", "A mirror lens"),
-        LensShape::CatEye { .. } => ("cat's eye", "A disc cut by the barrel towards the corners"),
-        LensShape::Picture(_) => ("picture", "A picture of your own"),
+        LensShape::Disc => (t!("disc"), t!("disc-hint")),
+        LensShape::Square => (t!("square"), t!("square-hint")),
+        LensShape::Blades { .. } => (t!("blades"), t!("blades-hint")),
+        LensShape::Ring { .. } => (t!("ring"), t!("ring-hint")),
+        LensShape::CatEye { .. } => (t!("cats-eye"), t!("cats-eye-hint")),
+        LensShape::Picture(_) => (t!("opening-picture"), t!("opening-picture-hint")),
     }
 }
 
@@ -74,7 +74,7 @@ pub fn numbers(ui: &mut Ui, shape: &mut LensShape) {
                 speed: 0.05,
                 decimals: 0,
                 reset: 6.0,
-                ..part("Blades", "Straight edges")
+                ..part(t!("blade-count"), t!("blade-count-hint"))
             };
             if widgets::number(ui, &mut blades, &spec) {
                 *count = blades.round() as u8;
@@ -85,16 +85,16 @@ pub fn numbers(ui: &mut Ui, shape: &mut LensShape) {
                 decimals: 0,
                 suffix: "°",
                 reset: 0.0,
-                ..part("Rotation", "Turns the blades")
+                ..part(t!("rotation"), t!("rotation-hint"))
             };
             widgets::number(ui, rotation_deg, &spec);
-            widgets::number(ui, roundness, &part("Roundness", "0 straight, 1 a disc"));
+            widgets::number(ui, roundness, &part(t!("roundness"), t!("roundness-hint")));
         }
         LensShape::Ring { inner } => {
-            widgets::number(ui, inner, &Number { range: [0.0, 0.9], ..part("Hole", "Radius of the mirror's hole") });
+            widgets::number(ui, inner, &Number { range: [0.0, 0.9], ..part(t!("hole"), t!("hole-hint")) });
         }
         LensShape::CatEye { strength } => {
-            widgets::number(ui, strength, &part("Cat's eye", "How much the barrel cuts in the corners"));
+            widgets::number(ui, strength, &part(t!("cats-eye-strength"), t!("cats-eye-strength-hint")));
         }
         LensShape::Picture(opening) => preview(ui, opening),
     }
@@ -117,5 +117,5 @@ fn preview(ui: &mut Ui, opening: &Opening) {
             );
         }
     }
-    response.on_hover_text("The opening: light behind the focus takes this shape");
+    response.on_hover_text(t!("opening-preview"));
 }

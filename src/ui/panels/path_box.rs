@@ -10,6 +10,7 @@ use crate::ui::ask::{Ask, PathFor};
 use crate::ui::dialog::Dialog;
 use crate::ui::dialogs::path_from_text;
 use crate::ui::jobs::OpenFrom;
+use crate::ui::words::{message, t};
 use crate::ui::{theme, widgets};
 
 /// Draws the box.
@@ -22,15 +23,15 @@ pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
         ui.set_width(440.0);
         ui.spacing_mut().item_spacing.y = 8.0;
         let (title, what, verb) = match wanted {
-            PathFor::Open => ("Open", "a photo or light field", "Open"),
-            PathFor::Export => ("Export photos", "a photo", "Go on"),
-            PathFor::DepthMap => ("Depth map", "a PFM or grey picture", "Use"),
-            PathFor::Opening => ("Opening of the lens", "a picture; white is open", "Use"),
-            PathFor::Models => ("Models", "a folder of models", "Use"),
-            PathFor::Net => ("Depth net", "an ONNX file", "Add"),
+            PathFor::Open => (t!("path-open"), t!("path-open-what"), t!("verb-open")),
+            PathFor::Export => (t!("path-export"), t!("path-export-what"), t!("verb-go-on")),
+            PathFor::DepthMap => (t!("path-depth"), t!("path-depth-what"), t!("verb-use")),
+            PathFor::Opening => (t!("path-opening"), t!("path-opening-what"), t!("verb-use")),
+            PathFor::Models => (t!("path-models"), t!("path-models-what"), t!("verb-use")),
+            PathFor::Net => (t!("path-net"), t!("path-net-what"), t!("verb-add")),
         };
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
-        let line = format!("The system shows no file dialog here. Type or paste the path of {what}");
+        let line = t!("path-ask", what = what);
         ui.label(RichText::new(line).color(colors.weak));
         let edit =
             ui.add(egui::TextEdit::singleline(text).hint_text("/home/me/photo.jpg").desired_width(f32::INFINITY));
@@ -41,11 +42,10 @@ pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
                 match path_from_text(text) {
                     // What the path is for may ask something else.
                     Some(path) => actions.extend([Action::CloseDialog, action(wanted, path)]),
-                    None => actions
-                        .push(Action::Refuse("could not open — that is no path of a file — begin it with / or ~")),
+                    None => actions.push(Action::Refuse(message!("path-none"))),
                 }
             }
-            if widgets::button(ui, "Cancel").clicked() {
+            if widgets::button(ui, t!("cancel")).clicked() {
                 is_open = false;
             }
         });

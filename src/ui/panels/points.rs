@@ -5,6 +5,7 @@ use egui::{Align2, Rect, Response, Sense, Ui, vec2};
 use crate::scene::dots::Turn;
 use crate::ui::open::Open;
 use crate::ui::points::Points;
+use crate::ui::words::{self, t};
 use crate::ui::{theme, widgets};
 
 /// A drag across the shorter side turns by this, in radians.
@@ -14,25 +15,20 @@ const ACROSS: f32 = 2.2;
 pub fn show(open: &Open, points: &mut Points, generation: u64, ui: &mut Ui, area: Rect) {
     if open.scene().is_none() {
         let weak = theme::palette(ui.ctx()).weak;
-        ui.painter().text(
-            area.center(),
-            Align2::CENTER_CENTER,
-            "The points come with the light field",
-            theme::text(),
-            weak,
-        );
+        ui.painter().text(area.center(), Align2::CENTER_CENTER, t!("points-none"), theme::text(), weak);
         return;
     }
     let response = ui.interact(area, ui.scope_id().with("points"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Points canvas"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, t!("points-canvas")));
     points.turn_to(turned(points.turn(), ui, &response, area));
     let Some((shown, texture)) = points.picture(generation) else { return };
     ui.painter_at(area).image(texture.id(), area, widgets::WHOLE, theme::AS_IS);
     let Turn { yaw, pitch, near } = points.turn();
-    let degrees = |angle: f32| widgets::signed(angle.to_degrees(), 0);
-    let mut text = format!("{} points · turned {}°, {}° · {near:.1} ×", shown.count, degrees(yaw), degrees(pitch));
+    let degrees = |angle: f32| words::signed(angle.to_degrees(), 0);
+    let near = words::fixed(near, 1);
+    let mut text = t!("points-readout", count = shown.count, yaw = degrees(yaw), pitch = degrees(pitch), zoom = near);
     if !shown.has_all {
-        text += " · adding what other views see";
+        text += t!("points-filling");
     }
     widgets::veil_label(ui, area.left_bottom() + vec2(8.0, -8.0), Align2::LEFT_BOTTOM, &text);
 }

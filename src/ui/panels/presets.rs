@@ -4,6 +4,7 @@ use egui::{Context, RichText};
 
 use crate::ui::action::Action;
 use crate::ui::ask::{Ask, Preset};
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// Draws the dialog.
@@ -13,12 +14,8 @@ pub fn show(names: &[String], new: &mut String, ctx: &Context) -> Vec<Action> {
     let shown = widgets::modal(ctx, "presets").show(ctx, |ui| {
         ui.set_width(420.0);
         ui.spacing_mut().item_spacing.y = 2.0 * theme::GRID;
-        ui.label(RichText::new("Presets").font(theme::title(16.0)).color(colors.strong));
-        let text = if names.is_empty() {
-            "None yet: lens and export are kept under the name you give"
-        } else {
-            "Lens and export; the focus stays"
-        };
+        ui.label(RichText::new(t!("presets")).font(theme::title(16.0)).color(colors.strong));
+        let text = if names.is_empty() { t!("presets-none") } else { t!("presets-some") };
         ui.label(RichText::new(text).color(colors.weak));
         egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
             for name in names {
@@ -26,15 +23,15 @@ pub fn show(names: &[String], new: &mut String, ctx: &Context) -> Vec<Action> {
             }
         });
         ui.horizontal(|ui| {
-            let edit = egui::TextEdit::singleline(new).hint_text("Name of a new one").desired_width(240.0);
+            let edit = egui::TextEdit::singleline(new).hint_text(t!("preset-name")).desired_width(240.0);
             let is_enter = ui.add(edit).lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             let has_name = !new.trim().is_empty();
             ui.add_enabled_ui(has_name, |ui| {
-                if (widgets::main_button(ui, "Keep").clicked() || is_enter) && has_name {
+                if (widgets::main_button(ui, t!("keep")).clicked() || is_enter) && has_name {
                     actions.push(Action::KeepPreset(new.trim().to_owned()));
                 }
             });
-            if widgets::button(ui, "Close").clicked() {
+            if widgets::button(ui, t!("close")).clicked() {
                 actions.push(Action::CloseDialog);
             }
         });
@@ -56,10 +53,10 @@ fn row(ui: &mut egui::Ui, name: &str) -> Option<Action> {
                 response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{verb} {name}")));
                 response.clicked()
             };
-            if button(ui, "Remove") {
+            if button(ui, t!("remove")) {
                 action = Some(Action::Ask(Ask::Presets(Preset::Remove(name.to_owned()))));
             }
-            if button(ui, "Apply") {
+            if button(ui, t!("apply")) {
                 action = Some(Action::Ask(Ask::Presets(Preset::Take(name.to_owned()))));
             }
         });

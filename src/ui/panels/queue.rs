@@ -6,6 +6,7 @@ use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::queue::{Queue, State, Task};
 use crate::ui::toasts::show_in_folder;
+use crate::ui::words::t;
 use crate::ui::worker::JobId;
 use crate::ui::{theme, widgets};
 
@@ -25,20 +26,20 @@ pub fn show(queue: &mut Queue, corner: egui::Pos2, ctx: &Context) -> Vec<Action>
         frame.inner_margin(Margin::symmetric(14, 12)).show(ui, |ui| {
             ui.set_width(WIDTH);
             ui.horizontal(|ui| {
-                ui.label(RichText::new("Queue").font(theme::title(14.0)).color(colors.strong));
+                ui.label(RichText::new(t!("queue-name")).font(theme::title(14.0)).color(colors.strong));
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    queue.is_open = !widgets::link(ui, "Close").clicked();
-                    if widgets::link(ui, "Clear ended").clicked() {
+                    queue.is_open = !widgets::link(ui, t!("close")).clicked();
+                    if widgets::link(ui, t!("clear-ended")).clicked() {
                         queue.clear_ended();
                     }
-                    if widgets::link(ui, "Add photos…").on_hover_text(Command::ExportPhotos.tip(ctx)).clicked() {
+                    if widgets::link(ui, t!("add-photos")).on_hover_text(Command::ExportPhotos.tip(ctx)).clicked() {
                         actions.push(Action::Do(Command::ExportPhotos));
                     }
                 });
             });
             ui.add_space(6.0);
             if queue.tasks().is_empty() {
-                ui.label(RichText::new("Nothing is being exported").color(colors.weak));
+                ui.label(RichText::new(t!("queue-empty")).color(colors.weak));
             }
             ScrollArea::vertical().max_height(MOST_HEIGHT).min_scrolled_height(MOST_HEIGHT).show(ui, |ui| {
                 for task in queue.tasks() {
@@ -62,12 +63,12 @@ fn row(ui: &mut Ui, task: &Task) -> Option<JobId> {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             match &task.state {
                 State::Done(path) => {
-                    if widgets::link(ui, "Show in folder").clicked() {
+                    if widgets::link(ui, t!("show-in-folder")).clicked() {
                         show_in_folder(path);
                     }
                 }
                 State::Waiting | State::Running(_) => {
-                    if widgets::link(ui, "Stop").clicked() {
+                    if widgets::link(ui, t!("stop")).clicked() {
                         stopped = Some(task.job);
                     }
                 }
@@ -79,12 +80,12 @@ fn row(ui: &mut Ui, task: &Task) -> Option<JobId> {
         });
     });
     let (text, color) = match &task.state {
-        State::Waiting => ("waits".to_owned(), colors.weak),
+        State::Waiting => (t!("waits").to_owned(), colors.weak),
         State::Running(running) => (format!("{} · {}", running.label(), running.time()), colors.text),
-        State::Done(_) => ("done".to_owned(), colors.weak),
-        State::Skipped => ("was there already".to_owned(), colors.weak),
-        State::Failed(why) => (why.clone(), colors.error),
-        State::Stopped => ("stopped".to_owned(), colors.weak),
+        State::Done(_) => (t!("task-done").to_owned(), colors.weak),
+        State::Skipped => (t!("was-there").to_owned(), colors.weak),
+        State::Failed(why) => (why.text(), colors.error),
+        State::Stopped => (t!("stopped").to_owned(), colors.weak),
     };
     ui.label(RichText::new(text).small().color(color));
     if let State::Running(running) = &task.state {

@@ -8,6 +8,7 @@ use crate::ui::action::Action;
 use crate::ui::settings::Settings;
 use crate::ui::theme;
 use crate::ui::widgets::{self, Number};
+use crate::ui::words::{self, Message, heard, id, message, t};
 
 /// What the section shows and sets.
 pub struct RealLens<'a> {
@@ -24,7 +25,7 @@ pub struct RealLens<'a> {
 /// What the slider reads as, in one line.
 pub fn title(scene: &Scene, edit: &Edit, settings: &Settings) -> String {
     let format = &FORMATS[settings.sensor.min(FORMATS.len() - 1)];
-    scene.reading(edit, format, 1).headline()
+    heard(&scene.reading(edit, format, 1).headline()).into_owned()
 }
 
 /// Draws it.
@@ -36,13 +37,13 @@ pub fn show(shown: RealLens, ui: &mut Ui) -> Option<Action> {
     let reading = scene.reading(edit, &FORMATS[format], width);
     widgets::section(
         ui,
-        "Real lens",
+        id!("section-real-lens"),
         |ui| format_menu(ui, &mut chosen),
         |ui| {
             let colors = theme::palette(ui.ctx());
-            ui.label(RichText::new(reading.title()).color(colors.strong));
+            ui.label(RichText::new(heard(&reading.title())).color(colors.strong));
             for line in reading.lines() {
-                ui.label(RichText::new(line).small().color(colors.weak));
+                ui.label(RichText::new(heard(&line)).small().color(colors.weak));
             }
             distance(ui, scene, edit, reading.focus_m.filter(|_| reading.scale != Scale::Relative));
             action = lens_menu(ui, scene, edit, lenses, &FORMATS[format]);
@@ -67,26 +68,26 @@ fn format_menu(ui: &mut Ui, format: &mut usize) {
 /// The distance of what is in focus: as it is known, or as it is given.
 fn distance(ui: &mut Ui, scene: &Scene, edit: &mut Edit, known: Option<f32>) {
     let Some(mut metres) = known else {
-        let tip = "With one distance the lens reads in metres; what is farthest is taken for very far away";
-        if widgets::link(ui, "give the distance of what is in focus").on_hover_text(tip).clicked() {
+        let tip = t!("distance-tip");
+        if widgets::link(ui, t!("distance-give")).on_hover_text(tip).clicked() {
             *edit = scene.with_distance(edit, Some(1.0));
         }
         return;
     };
     let spec = Number {
-        label: "Distance",
+        label: t!("distance"),
         range: DISTANCES_M,
         speed: 0.005 * metres,
         decimals: 2,
         prefix: "",
-        suffix: " m",
+        suffix: t!("suffix-m"),
         reset: metres,
-        hint: "How far away what is in focus is",
+        hint: t!("distance-hint"),
     };
     if widgets::number(ui, &mut metres, &spec) {
         *edit = scene.with_distance(edit, Some(metres));
     }
-    if edit.distance.is_some() && widgets::link(ui, "forget the distance").clicked() {
+    if edit.distance.is_some() && widgets::link(ui, t!("distance-forget")).clicked() {
         edit.distance = None;
     }
 }
@@ -94,17 +95,21 @@ fn distance(ui: &mut Ui, scene: &Scene, edit: &mut Edit, known: Option<f32>) {
 /// Opens the lens as a known one does, all the way.
 fn lens_menu(ui: &mut Ui, scene: &Scene, edit: &mut Edit, lenses: &[KnownLens], format: &Format) -> Option<Action> {
     let mut action = None;
-    let text = RichText::new("open as … ▼").small().color(theme::palette(ui.ctx()).weak);
+    let text = RichText::new(t!("open-as")).small().color(theme::palette(ui.ctx()).weak);
     ui.menu_button(text, |ui| {
         for lens in lenses {
-            let blades = lens.blades.map(|n| format!(" · {n} blades")).unwrap_or_default();
-            let nearest = lens.nearest_m.map(|m| format!(" · from {m} m")).unwrap_or_default();
-            let hint = format!("f/{} … f/{}{blades}{nearest}", lens.f_numbers[0], lens.f_numbers[1]);
+            let blades = lens.blades.map(|n| t!("lens-blades", count = n)).unwrap_or_default();
+            let nearest = lens.nearest_m.map(|m| t!("lens-nearest", metres = words::shortest(m))).unwrap_or_default();
+            let hint = {
+                let [widest, narrowest] = lens.f_numbers.map(words::shortest);
+                format!("f/{widest} … f/{narrowest}{blades}{nearest}")
+            };
             if ui.button(&lens.name).on_hover_text(hint).clicked() {
                 let (f_number, is_cut) = scene.f_number_of(edit, lens, lens.f_numbers[0]);
                 *edit = Edit { f_number, shape: lens.shape(lens.f_numbers[0]), ..edit.clone() };
                 let title = || scene.reading(edit, format, 1).title();
-                let text = || format!("The aperture of {} is beyond what there is here: {}", lens.name, title());
+                let reading = || Message::heard(title());
+                let text = || message!("lens-cut", lens = &lens.name, reading = reading());
                 action = is_cut.then(|| Action::Tell(text()));
                 ui.close();
             }

@@ -10,6 +10,7 @@ use crate::ui::action::Action;
 use crate::ui::look::Look;
 use crate::ui::mending::{Mending, Tool};
 use crate::ui::open::Open;
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// What the pointer meets.
@@ -33,7 +34,7 @@ pub fn show(shown: Repairing, ui: &mut Ui, canvas: Rect) -> Option<Action> {
     let Repairing { open, edit, look, mending, repairs, colormap } = shown;
     let (size, rays) = (open.picture_size()?, open.rays()?);
     let response = ui.interact(canvas, ui.scope_id().with("repair"), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Repair canvas"));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, t!("repair-canvas")));
     let is_pan = response.dragged_by(PointerButton::Middle) || ui.input(|input| input.key_down(Key::Space));
     if is_pan {
         look.pose.pan(canvas, size, response.drag_delta());
@@ -120,7 +121,7 @@ fn pointer(mending: &Mending, ui: &Ui, painter: &egui::Painter, at: Pos2, rect: 
 /// The line of an epipolar image that the hand has turned: its disparity in pixels per view step.
 pub fn dragged_slope(ui: &Ui, strip: Rect, name: &str, line: SlopeLine) -> Option<(f32, bool)> {
     let response = ui.interact(strip, ui.scope_id().with(name), Sense::drag());
-    let label = format!("Slope of {name}");
+    let label = t!("slope-of", line = name);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &label));
     let response =
         response.on_hover_cursor(if line.is_row { CursorIcon::ResizeHorizontal } else { CursorIcon::ResizeVertical });

@@ -5,6 +5,7 @@ use egui::{Align2, CursorIcon, Rangef, Rect, Sense, Ui, pos2, vec2};
 use crate::field::Lens;
 use crate::ui::action::Action;
 use crate::ui::rays::Survey;
+use crate::ui::words::{self, t};
 use crate::ui::{theme, widgets};
 
 /// What the ruler shows and sets.
@@ -25,16 +26,16 @@ pub fn show(shown: Ruler, ui: &mut Ui) -> Option<Action> {
     let rect = ui.max_rect().shrink2(vec2(14.0, 10.0));
     let colors = theme::palette(ui.ctx());
     let top = rect.top() + 5.0;
-    ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, "far", theme::small(), colors.weak);
-    ui.painter().text(pos2(rect.right(), top), Align2::RIGHT_CENTER, "near", theme::small(), colors.weak);
+    ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, t!("ruler-far"), theme::small(), colors.weak);
+    ui.painter().text(pos2(rect.right(), top), Align2::RIGHT_CENTER, t!("ruler-near"), theme::small(), colors.weak);
     let Some(survey) = survey else {
-        let text = if is_loading { "ray depths are on their way" } else { "no ray depths" };
+        let text = if is_loading { t!("depths-coming") } else { t!("depths-none") };
         ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, theme::small(), colors.weak);
         return None;
     };
     let bars = Rect::from_min_max(pos2(rect.left(), rect.top() + 14.0), pos2(rect.right(), rect.bottom() - 16.0));
     let scale = Scale { bars, range: survey.range_px };
-    let hint = "depth ruler: drag to focus, drag the band's edges to keep more sharp";
+    let hint = t!("ruler-hint");
     ui.painter().text(pos2(rect.center().x, top), Align2::CENTER_CENTER, hint, theme::small(), colors.weak);
     let is_shown = ui.ctx().animate_bool(ui.scope_id().with("ruler"), true);
     let action = drag_focus(&mut lens.focus.disparity_px, ui, &scale);
@@ -69,7 +70,7 @@ fn drag_focus(focus: &mut f32, ui: &mut Ui, scale: &Scale) -> Option<Action> {
     let area = scale.bars.expand2(vec2(8.0, 8.0));
     let response = ui.interact(area, ui.scope_id().with("focus"), Sense::click_and_drag());
     let value = f64::from(*focus);
-    response.widget_info(|| egui::WidgetInfo::slider(true, value, "Focus"));
+    response.widget_info(|| egui::WidgetInfo::slider(true, value, t!("focus")));
     if let Some(at) = response.interact_pointer_pos() {
         *focus = scale.disparity(at.x).clamp(scale.range[0], scale.range[1]);
     }
@@ -91,7 +92,7 @@ fn band(lens: &mut Lens, ui: &mut Ui, scale: &Scale) {
     let focus = lens.focus.disparity_px;
     let bars = scale.bars;
     let keep = lens.keep_sharp_px;
-    let sides = [(0, -1.0, "Keep sharp, far edge"), (1, 1.0, "Keep sharp, near edge")];
+    let sides = [(0, -1.0, t!("sharp-far-edge")), (1, 1.0, t!("sharp-near-edge"))];
     let edges: [f32; 2] = [scale.x(focus + keep[0].min(0.0)), scale.x(focus + keep[1].max(0.0))];
     let area = Rect::from_x_y_ranges(Rangef::new(edges[0], edges[1]), bars.y_range());
     ui.painter().rect_filled(area, 2, colors.accent.gamma_multiply(0.14));
@@ -146,7 +147,7 @@ fn ticks(ui: &Ui, scale: &Scale) {
     for i in first..=last {
         let x = scale.x(i as f32 * step);
         ui.painter().vline(x, Rangef::new(scale.bars.bottom(), scale.bars.bottom() + 3.0), (1.0, colors.control));
-        let text = if i == 0 { "0 px/view".to_owned() } else { widgets::signed(i as f32 * step, decimals) };
+        let text = if i == 0 { t!("zero-px-view").to_owned() } else { words::with_sign(i as f32 * step, decimals) };
         let room = 28.0;
         if x > scale.bars.left() + room && x < scale.bars.right() - room {
             let at = pos2(x, scale.bars.bottom() + 11.0);
@@ -161,7 +162,7 @@ fn handle(focus: f32, ui: &Ui, scale: &Scale) {
     let bars = scale.bars;
     ui.painter().vline(x, Rangef::new(bars.top(), bars.bottom()), (2.0, colors.accent));
     ui.painter().circle_filled(pos2(x, bars.bottom() + 1.0), 5.5, colors.accent);
-    let text = widgets::signed(focus, 2);
+    let text = words::with_sign(focus, 2);
     let side = if x > bars.right() - 60.0 { (Align2::RIGHT_CENTER, -8.0) } else { (Align2::LEFT_CENTER, 8.0) };
     ui.painter().text(pos2(x + side.1, bars.top() + 5.0), side.0, text, theme::small(), colors.accent_text);
 }

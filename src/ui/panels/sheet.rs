@@ -3,7 +3,8 @@
 use egui::{Align2, Context, RichText, Sense, Ui, vec2};
 
 use crate::ui::action::Action;
-use crate::ui::command::{Command, MOUSE};
+use crate::ui::command::{Command, MOUSE, SHEET};
+use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
 /// Draws the sheet.
@@ -12,23 +13,22 @@ pub fn show(ctx: &Context) -> Vec<Action> {
     let modal = widgets::modal(ctx, "shortcuts");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(640.0);
-        ui.label(RichText::new("Shortcuts").font(theme::title(16.0)).color(colors.strong));
+        ui.label(RichText::new(t!("shortcuts")).font(theme::title(16.0)).color(colors.strong));
         ui.add_space(10.0);
         let room = ctx.content_rect().height() - 120.0;
         egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
             ui.columns(2, |columns| {
-                head(&mut columns[0], "Mouse");
-                for (keys, what) in MOUSE {
-                    line(&mut columns[0], what, keys);
+                head(&mut columns[0], t!("mouse"));
+                for keys in MOUSE {
+                    line(&mut columns[0], keys.hint(), keys.text());
                 }
-                let layout = [(0, &["Edit", "Viewpoint", "Light field", "Help"][..]), (1, &["View", "File"][..])];
-                for (column, groups) in layout {
-                    for group in groups {
-                        head(&mut columns[column], group);
+                for (column, groups) in [(0, &SHEET.0[..]), (1, &SHEET.1[..])] {
+                    for &group in groups {
+                        head(&mut columns[column], group.text());
                         for command in Command::of_group(group) {
                             let spec = command.spec();
                             if let Some(keys) = spec.shortcut {
-                                line(&mut columns[column], spec.label, &ctx.format_shortcut(&keys));
+                                line(&mut columns[column], spec.label(), &ctx.format_shortcut(&keys));
                             }
                         }
                     }

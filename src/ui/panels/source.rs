@@ -10,6 +10,7 @@ use crate::ui::command::Command;
 use crate::ui::event::Listed;
 use crate::ui::open::Open;
 use crate::ui::sources::{self, Choice};
+use crate::ui::words::{self, heard, id, t};
 use crate::ui::{theme, widgets};
 
 /// Where ray depths come from, and can.
@@ -28,28 +29,28 @@ pub fn source(open: &Open, sources: &Sources, ui: &mut Ui) -> Option<Action> {
     if one.splats.is_some() {
         return None;
     }
-    let mut choices = vec![(DepthFrom::Network, "Network".to_owned())];
+    let mut choices = vec![(DepthFrom::Network, t!("source-network").to_owned())];
     choices.extend(sources::of_photo(one));
     let mut source = sources.looked_at.clone();
     let (mut beside, mut action) = (None, None);
     let ctx = ui.ctx().clone();
     widgets::section(
         ui,
-        "Source of ray depths",
+        id!("section-source"),
         |ui| {
             let mut link = |ui: &mut Ui, label: &str, command: Command| {
                 if widgets::link(ui, label).on_hover_text(command.tip(&ctx)).clicked() {
                     beside = Some(Action::Do(command));
                 }
             };
-            link(ui, "depth map…", Command::OwnDepth);
+            link(ui, t!("link-depth-map"), Command::OwnDepth);
             if sources.all.len() > 1 {
-                link(ui, "compare", Command::CompareSources);
+                link(ui, t!("link-compare"), Command::CompareSources);
             }
         },
         |ui| {
             if choices.len() > 1 {
-                widgets::segmented(ui, "Source", &mut source, &choices);
+                widgets::segmented(ui, t!("source"), &mut source, &choices);
             }
             action = model_menu(ui, &mut source, sources.nets);
         },
@@ -62,11 +63,11 @@ fn model_menu(ui: &mut Ui, source: &mut DepthFrom, nets: &[Listed]) -> Option<Ac
     let colors = theme::palette(ui.ctx());
     let mut action = None;
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Model").color(colors.weak));
+        ui.label(RichText::new(t!("model")).color(colors.weak));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let name = source.net_name().unwrap_or("built-in");
+            let name = source.net_name().unwrap_or(t!("model-built-in"));
             ui.menu_button(RichText::new(format!("{name} ▼")).color(colors.strong), |ui| {
-                if ui.selectable_label(source.net_name().is_none(), "built-in").clicked() {
+                if ui.selectable_label(source.net_name().is_none(), t!("model-built-in")).clicked() {
                     *source = DepthFrom::Network;
                     ui.close();
                 }
@@ -95,20 +96,20 @@ fn net_entry(ui: &mut Ui, source: &mut DepthFrom, net: &Listed) {
 /// Add one; use the chosen one always; remove it. A broken one can be removed too.
 fn net_actions(ui: &mut Ui, source: &DepthFrom, nets: &[Listed]) -> Option<Action> {
     let mut action = None;
-    let tip = "An ONNX file: it is tried on the sample and kept. A file can be dropped on the window, too";
-    if ui.button("Add a depth net…").on_hover_text(tip).clicked() {
+    let tip = t!("add-net-hint");
+    if ui.button(t!("add-net")).on_hover_text(tip).clicked() {
         action = Some(Action::Ask(Ask::Net));
     }
     let chosen = nets.iter().find(|net| net.is_added && *source == net.source());
     if let Some(net) = chosen {
         let mut is_preferred = net.is_preferred;
-        if ui.checkbox(&mut is_preferred, "Use for all photos").clicked() {
+        if ui.checkbox(&mut is_preferred, t!("use-for-all")).clicked() {
             action = Some(Action::ChangeNets(Change::Prefer(is_preferred.then(|| net.name.clone()))));
         }
     }
     let broken = nets.iter().filter(|net| net.is_added && net.fault.is_some());
     for net in chosen.into_iter().chain(broken) {
-        if ui.button(format!("Remove {}", net.name)).clicked() {
+        if ui.button(t!("remove-net", name = &net.name)).clicked() {
             action = Some(Action::ChangeNets(Change::Remove(net.name.clone())));
         }
     }
@@ -125,18 +126,18 @@ pub fn light_field(open: &Open, ui: &mut Ui) -> Option<Action> {
     let mut action = None;
     widgets::section(
         ui,
-        "Light field",
+        id!("section-light-field"),
         |_| {},
         |ui| {
-            row(ui, &format!("{} × {} views", grid.cols(), grid.rows()), &format!("{w} × {h} px"));
+            row(ui, &t!("views-count", cols = grid.cols(), rows = grid.rows()), &t!("pixels", width = w, height = h));
             match (open.subject().and_then(|subject| subject.recorded()), open.scene()) {
                 (Some(recorded), _) => {
-                    row(ui, "Made by", "from disk");
+                    row(ui, t!("made-by"), t!("from-disk"));
                     action = layout_rows(recorded, ui);
                 }
                 (None, Some(scene)) => {
-                    row(ui, "Made by", &scene.made_by());
-                    row(ui, "Took", &format!("{:.1} s", scene.took().as_secs_f32()));
+                    row(ui, t!("made-by"), &heard(&scene.made_by()));
+                    row(ui, t!("took"), &t!("seconds", secs = words::fixed(scene.took().as_secs_f32(), 1)));
                 }
                 (None, None) => {}
             }
@@ -148,7 +149,7 @@ pub fn light_field(open: &Open, ui: &mut Ui) -> Option<Action> {
 /// How the stored views were turned to fit, and what a person can turn over.
 fn layout_rows(recorded: &Recorded, ui: &mut Ui) -> Option<Action> {
     let layout = recorded.layout;
-    row(ui, "Views lie", &layout.to_string());
+    row(ui, t!("views-lie"), &heard(&layout.to_string()));
     // Turning both ways at once changes nothing but the sign.
     let toggles = [
         (Command::Opposite, layout.flip_u),
@@ -157,7 +158,7 @@ fn layout_rows(recorded: &Recorded, ui: &mut Ui) -> Option<Action> {
     ];
     let mut action = None;
     for (toggle, mut is_on) in toggles {
-        if widgets::switch(ui, toggle.spec().label, &mut is_on, &toggle.tip(ui.ctx())) {
+        if widgets::switch(ui, toggle.spec().label(), &mut is_on, &toggle.tip(ui.ctx())) {
             action = Some(Action::Do(toggle));
         }
     }

@@ -9,6 +9,7 @@ use crate::ui::open::Open;
 use crate::ui::progress::Running;
 use crate::ui::queue::{Queue, State};
 use crate::ui::theme;
+use crate::ui::words::{self, t};
 
 /// Narrower than this, what draws and what computes is left out.
 const TIGHT_WIDTH: f32 = 720.0;
@@ -47,12 +48,12 @@ pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
         };
         let others = shown.queue.open_count() - 1;
         if others > 0 {
-            let text = format!("· {others} more");
+            let text = t!("others-more", count = others);
             x = ui.painter().text(pos2(x + 6.0, y), Align2::LEFT_CENTER, text, theme::small(), colors.weak).right();
         }
         let all = Rect::from_x_y_ranges(start..=x, rect.y_range());
         let response = ui.interact(all, ui.scope_id().with("queue"), egui::Sense::click());
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Queue"));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, t!("queue-name")));
         let response = response.on_hover_cursor(egui::CursorIcon::PointingHand);
         if response.on_hover_text(Command::Queue.tip(ui.ctx())).clicked() {
             action = Some(Action::Do(Command::Queue));
@@ -68,15 +69,14 @@ pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
     let is_tight = rect.width() < TIGHT_WIDTH;
     let right = match threads {
         _ if is_tight => String::new(),
-        0 => format!("drawn by {drawn}"),
-        1 => format!("drawn by {drawn} · nets on 1 CPU thread"),
-        _ => format!("drawn by {drawn} · nets on {threads} CPU threads"),
+        0 => t!("drawn-by", device = drawn),
+        _ => t!("drawn-by-threads", device = drawn, threads = threads),
     };
     let right = ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, right, theme::small(), colors.weak);
     if let Some(size) = shown.open.picture_size() {
         let per_pixel =
             Pose::fit(shown.look.canvas, size).x * shown.look.pose.zoom * ui.ctx().pixels_per_point() / size.x;
-        let zoom = format!("zoom {:.0} %", per_pixel * 100.0);
+        let zoom = t!("zoom", percent = words::fixed(per_pixel * 100.0, 0));
         let at = pos2(right.left() - 24.0, y);
         ui.painter().text(at, Align2::RIGHT_CENTER, zoom, theme::small(), colors.weak);
     }
@@ -85,10 +85,10 @@ pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
 
 fn idle_text(open: &Open) -> &'static str {
     match (open, open.field().is_some(), open.rays().is_some()) {
-        (Open::Nothing, ..) => "Everything stays on this computer",
-        (_, true, true) => "Drag to look round · click to focus · wheel to zoom · F1 for all keys",
-        (_, true, false) => "Drag to look round · wheel to zoom · F1 for all keys",
-        (_, false, _) => "No light field · wheel to zoom",
+        (Open::Nothing, ..) => t!("idle-nothing"),
+        (_, true, true) => t!("idle-photo"),
+        (_, true, false) => t!("idle-field"),
+        (_, false, _) => t!("idle-flat"),
     }
 }
 
@@ -101,7 +101,7 @@ fn job(ui: &Ui, running: &Running, title: Option<&str>, at: egui::Pos2) -> f32 {
     ui.painter().rect_filled(bar, 2, colors.control);
     let done = Rect::from_min_size(bar.min, vec2(bar.width() * running.share(), bar.height()));
     ui.painter().rect_filled(done, 2, colors.accent);
-    let time = format!("{} · Esc stops", running.time());
+    let time = t!("esc-stops", time = running.time());
     let at = pos2(bar.right() + 16.0, at.y);
     ui.painter().text(at, Align2::LEFT_CENTER, time, theme::small(), colors.weak).right()
 }

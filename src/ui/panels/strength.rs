@@ -6,6 +6,7 @@ use crate::field::Strength;
 use crate::scene::Edit;
 use crate::ui::open::Open;
 use crate::ui::widgets::{self, Number};
+use crate::ui::words::t;
 
 /// The number and its slider, where there is depth.
 pub fn show(open: &Open, edit: &mut Edit, ui: &mut Ui) {
@@ -14,11 +15,11 @@ pub fn show(open: &Open, edit: &mut Edit, ui: &mut Ui) {
     let mut value = subject.strength(edit.strength).0;
     let before = value;
     let hint = match subject.photo() {
-        Some(_) => "How deep the scene is: the distance of the views, against how it was made",
-        None => "How far the views stand apart; those of a recorded light field no farther than they were",
+        Some(_) => t!("strength-hint"),
+        None => t!("strength-hint-field"),
     };
     let spec = Number {
-        label: "Strength",
+        label: t!("strength"),
         range: [Strength::LEAST, most],
         speed: 0.01,
         decimals: 2,
@@ -31,7 +32,7 @@ pub fn show(open: &Open, edit: &mut Edit, ui: &mut Ui) {
     let scale = Scale { most };
     let mut place = scale.place(value);
     let reset = scale.place(Strength::AS_MADE.0);
-    let response = widgets::slider(ui, "Strength slider", &mut place, reset);
+    let response = widgets::slider(ui, t!("strength-slider"), &mut place, reset);
     // Who scrolls the inspector over it does not mean it.
     if response.changed() && (response.is_pointer_button_down_on() || response.clicked() || response.double_clicked()) {
         value = scale.value(place);

@@ -7,6 +7,7 @@ use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::field_pictures::FieldPictures;
 use crate::ui::open::Open;
+use crate::ui::words::{self, t};
 use crate::ui::{theme, widgets};
 
 /// The views that can be gone to.
@@ -37,12 +38,12 @@ pub fn show(views: &Views, ui: &mut Ui) -> Vec<Action> {
     let rect = ui.max_rect().shrink2(vec2(16.0, 10.0));
     let colors = theme::palette(ui.ctx());
     let top = rect.top() + 6.0;
-    ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, "Views", theme::head(), colors.weak);
-    let text = format!("all {} ▶", grid.count());
+    ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, t!("views"), theme::head(), colors.weak);
+    let text = t!("views-all", count = grid.count());
     let all = Rect::from_min_max(pos2(rect.right() - 50.0, rect.top() - 4.0), pos2(rect.right(), rect.top() + 16.0));
     let response =
-        ui.interact(all, ui.scope_id().with("all views"), Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "All views"));
+        ui.interact(all, ui.scope_id().with("all_views"), Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, t!("all-views")));
     let color = if response.hovered() { colors.strong } else { colors.weak };
     ui.painter().text(pos2(rect.right(), top), Align2::RIGHT_CENTER, text, theme::small(), color);
     if response.on_hover_text(Command::Views.tip(ui.ctx())).clicked() {
@@ -69,7 +70,7 @@ pub fn view_cell(views: &Views, ui: &Ui, view: ViewIndex, rect: Rect) -> Respons
     let id = ui.scope_id().with(("view", rect.min.x.to_bits(), view));
     let response = ui.interact(rect, id, Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
     response.widget_info(|| {
-        egui::WidgetInfo::selected(egui::Role::Button, true, view == here, format!("View {}, {}", view.v, view.u))
+        egui::WidgetInfo::selected(egui::Role::Button, true, view == here, t!("view-at", v = view.v, u = view.u))
     });
     match pictures.and_then(|pictures| pictures.view(grid, view)) {
         Some(texture) => {
@@ -85,5 +86,5 @@ pub fn view_cell(views: &Views, ui: &Ui, view: ViewIndex, rect: Rect) -> Respons
         ui.painter().rect_stroke(rect, theme::PICTURE_RADIUS, (1.5, colors.strong), StrokeKind::Inside);
     }
     let step = grid.offset(view);
-    response.on_hover_text(format!("u {}, v {}", widgets::signed(step.du, 0), widgets::signed(step.dv, 0)))
+    response.on_hover_text(t!("view-step", u = words::signed(step.du, 0), v = words::signed(step.dv, 0)))
 }

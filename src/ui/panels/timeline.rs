@@ -8,6 +8,7 @@ use crate::scene::timeline::{Ease, Preset, Run, SECONDS, Timeline};
 use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::film::{Cut, Film};
+use crate::ui::words::{self, Id, Message, id, t};
 use crate::ui::{theme, widgets};
 
 /// Half the width of a key.
@@ -22,12 +23,12 @@ pub struct Shown<'a> {
 }
 
 /// Ready-made timelines by their names.
-const PRESETS: [(Preset, &str, &str); 5] = [
-    (Preset::Pull, "Focus pull", "The focus, from far to near"),
-    (Preset::Subjects, "Subject to subject", "The focus, from what is sharp to the next, and back"),
-    (Preset::Circle, "Circle", "The eye, once round"),
-    (Preset::Breathing, "Breathing", "The lens closes and opens again"),
-    (Preset::Dolly, "Dolly", "The strength grows around a subject that stays sharp"),
+const PRESETS: [(Preset, Id); 5] = [
+    (Preset::Pull, id!("preset-pull")),
+    (Preset::Subjects, id!("preset-subjects")),
+    (Preset::Circle, id!("preset-circle")),
+    (Preset::Breathing, id!("preset-breathing")),
+    (Preset::Dolly, id!("preset-dolly")),
 ];
 
 /// Draws the panel.
@@ -57,7 +58,7 @@ pub fn show(mut shown: Shown, ui: &mut Ui) -> Vec<Action> {
 }
 
 fn verbs(shown: &mut Shown, ui: &mut Ui, actions: &mut Vec<Action>) {
-    let play = if shown.film.is_playing() { "Stop" } else { "Play" };
+    let play = if shown.film.is_playing() { t!("film-stop") } else { t!("film-play") };
     let has_keys = shown.timeline.is_some();
     ui.add_enabled_ui(has_keys, |ui| {
         if widgets::button(ui, play).on_hover_text(Command::PlayFilm.tip(ui.ctx())).clicked() {
@@ -65,38 +66,38 @@ fn verbs(shown: &mut Shown, ui: &mut Ui, actions: &mut Vec<Action>) {
         }
     });
     let at_key = shown.timeline.as_ref().is_some_and(|timeline| timeline.key_at(shown.film.moment).is_some());
-    let label = if at_key { "Set key" } else { "Add key" };
+    let label = if at_key { t!("set-key") } else { t!("add-key") };
     if widgets::button(ui, label).on_hover_text(Command::AddKey.tip(ui.ctx())).clicked() {
         actions.push(Action::Do(Command::AddKey));
     }
     ui.add_enabled_ui(at_key, |ui| {
-        if widgets::button(ui, "Remove key").clicked() {
+        if widgets::button(ui, t!("remove-key")).clicked() {
             actions.push(Action::Cut(Cut::Remove));
         }
     });
     let holds = &mut shown.film.holds;
     let values = [
-        (&mut holds.focus, "Focus"),
-        (&mut holds.aperture, "Aperture"),
-        (&mut holds.eye, "Eye"),
-        (&mut holds.strength, "Strength"),
+        (&mut holds.focus, t!("hold-focus")),
+        (&mut holds.aperture, t!("hold-aperture")),
+        (&mut holds.eye, t!("hold-eye")),
+        (&mut holds.strength, t!("hold-strength")),
     ];
     // Several of them are turned at one opening of the menu.
     let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    let (response, _) = MenuButton::new("Holds").config(stays).ui(ui, |ui| {
+    let (response, _) = MenuButton::new(t!("key-holds")).config(stays).ui(ui, |ui| {
         for (value, name) in values {
             ui.checkbox(value, name);
         }
     });
-    response.on_hover_text("What a new key holds");
-    ui.menu_button("Presets", |ui| {
-        for (preset, name, hint) in PRESETS {
-            if ui.button(name).on_hover_text(hint).clicked() {
+    response.on_hover_text(t!("key-holds-hint"));
+    ui.menu_button(t!("film-presets"), |ui| {
+        for (preset, name) in PRESETS {
+            if ui.button(name.text()).on_hover_text(name.hint()).clicked() {
                 actions.push(Action::Cut(Cut::Take(preset)));
                 ui.close();
             }
         }
-        if ui.add_enabled(has_keys, egui::Button::new("None")).on_hover_text("Take all keys away").clicked() {
+        if ui.add_enabled(has_keys, egui::Button::new(t!("film-none"))).on_hover_text(t!("film-none-hint")).clicked() {
             actions.push(Action::Cut(Cut::Clear));
             ui.close();
         }
@@ -105,13 +106,18 @@ fn verbs(shown: &mut Shown, ui: &mut Ui, actions: &mut Vec<Action>) {
 
 /// How it goes from key to key, how it ends, and how long it is.
 fn manner(timeline: &mut Timeline, ui: &mut Ui) {
-    let eases = [(Ease::Smooth, "Smooth"), (Ease::Linear, "Even"), (Ease::In, "Slow start"), (Ease::Out, "Slow end")];
-    chosen(ui, "Easing", &mut timeline.ease, &eases);
-    let runs = [(Run::Once, "Once"), (Run::Loop, "Loop"), (Run::PingPong, "Ping-pong")];
-    chosen(ui, "At the end", &mut timeline.run, &runs);
-    let drag = egui::DragValue::new(&mut timeline.seconds).range(SECONDS[0]..=SECONDS[1]).speed(0.02);
-    let response = ui.add(drag.max_decimals(1).suffix(" s")).on_hover_text("How long the film is");
-    response.widget_info(|| WidgetInfo::labeled(egui::Role::SpinButton, true, "Seconds"));
+    let eases = [
+        (Ease::Smooth, t!("ease-smooth")),
+        (Ease::Linear, t!("ease-even")),
+        (Ease::In, t!("ease-in")),
+        (Ease::Out, t!("ease-out")),
+    ];
+    chosen(ui, t!("easing"), &mut timeline.ease, &eases);
+    let runs = [(Run::Once, t!("run-once")), (Run::Loop, t!("run-loop")), (Run::PingPong, t!("run-ping-pong"))];
+    chosen(ui, t!("at-the-end"), &mut timeline.run, &runs);
+    let drag = widgets::spoken(egui::DragValue::new(&mut timeline.seconds)).range(SECONDS[0]..=SECONDS[1]).speed(0.02);
+    let response = ui.add(drag.max_decimals(1).suffix(t!("suffix-s"))).on_hover_text(t!("seconds-hint"));
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::SpinButton, true, t!("film-seconds")));
 }
 
 /// One of several, that unfolds.
@@ -122,7 +128,7 @@ fn chosen<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, all: &[(T
             ui.selectable_value(value, *one, *text);
         }
     });
-    let said = format!("{name}: {text}");
+    let said = t!("chosen-said", name = name, value = text);
     shown.response.widget_info(|| WidgetInfo::labeled(egui::Role::ComboBox, true, &said));
 }
 
@@ -136,14 +142,14 @@ fn line(shown: &mut Shown, ui: &mut Ui, area: Rect) -> Option<Action> {
     ui.painter().rect_filled(Rect::from_center_size(track.center(), vec2(track.width(), 4.0)), 2, colors.control);
     let head = ui.interact(area, ui.scope_id().with("playhead"), Sense::click_and_drag());
     let (seconds, moment) = (shown.timeline.as_ref().map_or(1.0, |timeline| timeline.seconds), shown.film.moment);
-    head.widget_info(|| WidgetInfo::slider(true, f64::from(moment * seconds), "Playhead, seconds"));
+    head.widget_info(|| WidgetInfo::slider(true, f64::from(moment * seconds), t!("playhead")));
     let mut action = head.interact_pointer_pos().map(|at| Action::Playhead(moment_at(at.x)));
     let steps = widgets::arrows(ui, &head);
     if steps != 0.0 {
         action = Some(Action::Cut(Cut::Step(steps)));
     }
     let Some(timeline) = shown.timeline.as_mut() else {
-        let text = "set lens and eye, then add a key; go on along the line, and add the next";
+        let text = t!("timeline-empty");
         ui.painter().text(
             pos2(track.center().x, middle - 9.0),
             egui::Align2::CENTER_CENTER,
@@ -158,7 +164,12 @@ fn line(shown: &mut Shown, ui: &mut Ui, area: Rect) -> Option<Action> {
         let at = pos2(x(key.at), middle);
         let place = Rect::from_center_size(at, vec2(2.0 * HALF, 4.0 * HALF));
         let response = ui.interact(place, ui.scope_id().with(("key", number)), Sense::click_and_drag());
-        let said = format!("Key {} at {:.1} s: {}", number + 1, key.at * timeline.seconds, key.told());
+        let said = t!(
+            "key-said",
+            number = number + 1,
+            secs = words::fixed(key.at * timeline.seconds, 1),
+            what = Message::heard(key.told())
+        );
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, &said));
         if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             moved = Some((number, moment_at(pointer.x)));

@@ -9,6 +9,7 @@ use crate::ui::command::Command;
 use crate::ui::document::Document;
 use crate::ui::jobs::OpenFrom;
 use crate::ui::look::{Face, Look};
+use crate::ui::words::{Id, t};
 use crate::ui::{theme, widgets};
 
 /// Width of the faces.
@@ -39,13 +40,17 @@ pub fn show(shown: TopBar, ui: &mut Ui) -> Vec<Action> {
     let left_end = left(&shown, ui, rect, &mut actions);
     let Some(document) = shown.document else { return actions };
     let right_start = right(&shown, ui, rect, &mut actions);
-    let half = FACES_WIDTH / 2.0;
-    let middle = rect.center().x.min(right_start - GAP - half).max(left_end + half);
-    let faces =
-        [(Face::Picture, "Picture"), (Face::Views, "Views"), (Face::Depths, "Ray depths"), (Face::Points, "Points")];
-    let place = Rect::from_center_size(pos2(middle, rect.center().y), vec2(FACES_WIDTH, rect.height()));
+    let faces = [
+        (Face::Picture, t!("face-picture")),
+        (Face::Views, t!("face-views")),
+        (Face::Depths, t!("face-depths")),
+        (Face::Points, t!("face-points")),
+    ];
+    let width = widgets::segmented_width(ui, &faces);
+    let middle = rect.center().x.min(right_start - GAP - width / 2.0).max(left_end + width / 2.0);
+    let place = Rect::from_center_size(pos2(middle, rect.center().y), vec2(width, rect.height()));
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::left_to_right(Align::Center)), |ui| {
-        widgets::segmented(ui, "Face", &mut shown.look.face, &faces);
+        widgets::segmented(ui, t!("face"), &mut shown.look.face, &faces);
     });
     let room = Rect::from_min_max(pos2(left_end, rect.top()), pos2(place.left() - GAP, rect.bottom()));
     if room.width() > 48.0 {
@@ -69,7 +74,7 @@ fn left(shown: &TopBar, ui: &mut Ui, rect: Rect, actions: &mut Vec<Action>) -> f
         ui.spacing_mut().item_spacing.x = GAP;
         menu(shown, ui, actions);
         if shown.document.is_none() || rect.width() >= TINY_WIDTH {
-            actions.extend(done(widgets::button(ui, "Open…"), Command::Open));
+            actions.extend(done(widgets::button(ui, t!("open")), Command::Open));
         }
         ui.cursor().left()
     });
@@ -83,16 +88,16 @@ fn right(shown: &TopBar, ui: &mut Ui, rect: Rect, actions: &mut Vec<Action>) -> 
     let inner = ui.scope_builder(row, |ui| {
         ui.spacing_mut().item_spacing.x = GAP;
         ui.add_enabled_ui(shown.possible.contains(&Command::Export), |ui| {
-            actions.extend(done(widgets::main_button(ui, "Export…"), Command::Export));
+            actions.extend(done(widgets::main_button(ui, t!("export-open")), Command::Export));
         });
         if rect.width() >= TIGHT_WIDTH && shown.possible.contains(&Command::BeforeAfter) {
-            let label = RichText::new("Before / after");
+            let label = RichText::new(t!("before-after"));
             let label = if shown.look.split.is_shown { label.color(colors.accent_text) } else { label };
             let button = egui::Button::new(label).min_size(vec2(0.0, 26.0)).selected(false);
             actions.extend(done(ui.add(button), Command::BeforeAfter));
         }
         if shown.is_narrow {
-            actions.extend(done(widgets::button(ui, "Inspector"), Command::ToggleInspector));
+            actions.extend(done(widgets::button(ui, t!("inspector")), Command::ToggleInspector));
         }
         ui.cursor().right()
     });
@@ -120,27 +125,27 @@ fn menu(shown: &TopBar, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.set_min_width(230.0);
         // What is done with files is most of it; all else folds.
         let (first, others) = Command::GROUPS.split_at(1);
-        first.iter().for_each(|group| actions.extend(commands(shown.possible, ui, group)));
+        first.iter().for_each(|group| actions.extend(commands(shown.possible, ui, *group)));
         actions.extend(recent(shown.recent, ui));
         ui.separator();
         for group in others {
-            ui.menu_button(*group, |ui| {
+            ui.menu_button(group.text(), |ui| {
                 ui.set_min_width(230.0);
-                actions.extend(commands(shown.possible, ui, group));
+                actions.extend(commands(shown.possible, ui, *group));
             });
         }
     });
 }
 
-fn commands(possible: &[Command], ui: &mut Ui, group: &str) -> Option<Action> {
+fn commands(possible: &[Command], ui: &mut Ui, group: Id) -> Option<Action> {
     let mut chosen = None;
     for command in Command::of_group(group) {
         let spec = command.spec();
-        let mut button = egui::Button::new(spec.label);
+        let mut button = egui::Button::new(spec.label());
         if let Some(keys) = spec.shortcut {
             button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
         }
-        if ui.add_enabled(possible.contains(&command), button).on_hover_text(spec.hint).clicked() {
+        if ui.add_enabled(possible.contains(&command), button).on_hover_text(spec.hint()).clicked() {
             chosen = Some(Action::Do(command));
             ui.close();
         }
@@ -153,7 +158,7 @@ fn recent(files: &[PathBuf], ui: &mut Ui) -> Option<Action> {
     if files.is_empty() {
         return None;
     }
-    ui.menu_button("Recent", |ui| {
+    ui.menu_button(t!("recent"), |ui| {
         for path in files {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
