@@ -154,7 +154,7 @@ pub fn worker() -> impl Work<Request> {
         if let Err(error) = draw(&mut kept, &request, &task, &|drawn| outbox.send(job, Event::Points(Box::new(drawn))))
             && !cancel.is_cancelled()
         {
-            outbox.send(job, Event::Failed(sentence(&error)));
+            outbox.send(job, Event::Failed(sentence(&error).into()));
         }
     }
 }

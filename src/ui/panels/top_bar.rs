@@ -12,7 +12,7 @@ use crate::ui::look::{Face, Look};
 use crate::ui::words::{Id, t};
 use crate::ui::{theme, widgets};
 
-/// Width of the faces.
+/// Least width of the faces.
 const FACES_WIDTH: f32 = 312.0;
 /// Narrower than this, what the menu has as well goes.
 const TIGHT_WIDTH: f32 = 820.0;
@@ -46,7 +46,7 @@ pub fn show(shown: TopBar, ui: &mut Ui) -> Vec<Action> {
         (Face::Depths, t!("face-depths")),
         (Face::Points, t!("face-points")),
     ];
-    let width = widgets::segmented_width(ui, &faces);
+    let width = widgets::segmented_width(ui, &faces).max(FACES_WIDTH);
     let middle = rect.center().x.min(right_start - GAP - width / 2.0).max(left_end + width / 2.0);
     let place = Rect::from_center_size(pos2(middle, rect.center().y), vec2(width, rect.height()));
     ui.scope_builder(UiBuilder::new().max_rect(place).layout(Layout::left_to_right(Align::Center)), |ui| {
