@@ -15,7 +15,9 @@ use std::io::Write as _;
 use std::mem::MaybeUninit;
 
 use plenoscope::job::{Cancel, Cancelled};
-use plenoscope::kernel::product::{Attention, Columns, Dense, DepthWise, Heads, Panels, Patches, Project, Sides};
+use plenoscope::kernel::product::{
+    Attention, Columns, Dense, DepthWise, Head, Inverted, MOST_BIASES, Panels, Patches, Project, Sides,
+};
 use plenoscope::kernel::resize::{Taps, resize};
 use plenoscope::kernel::winograd::{Layer, PlaneChain};
 use plenoscope::kernel::{Activation, Conv, ConvShape, Ending, Isa, Kernel, Limits, Padding, token};
@@ -103,6 +105,16 @@ fn convolutions_by_products_stay_inside_their_memory() {
             let each = DepthWise { isa, patches: &patches, weights: &w, bias: &bias, activation };
             written(channels * patches.pixels(), |out| each.run(&x, out, None))
         });
+        let plane = size[0] * size[1];
+        let (narrow, wide, planes) = (numbers(4, 11 * channels), numbers(5, 2 * channels), numbers(6, 2 * plane));
+        let (summand, ends) = (numbers(7, 11 * patches.pixels()), numbers(8, 11));
+        alike(&format!("a block, {patches:?}"), |isa| {
+            let activation = Activation::Clamp { low: 0.0, high: 6.0 };
+            let depthwise = DepthWise { isa, patches: &patches, weights: &w, bias: &bias, activation };
+            let product = |weights, bias| Project { isa, weights, bias, activation, limits: Limits::NONE };
+            let block = Inverted { widen: Some(product(&wide, &bias)), depthwise, narrow: product(&narrow, &ends) };
+            written(summand.len(), |out| block.run(&planes, Some(&summand), out, None))
+        });
     }
 }
 
@@ -121,13 +133,16 @@ fn attention_stays_inside_its_memory() {
             key_steps: [depth, 1],
             value_steps: [values, 1],
             out_steps: [values, 1],
-            bias_steps: [keys, 1],
+            bias_steps: [[keys, 1]; MOST_BIASES],
         };
-        let attention =
-            Attention { heads: Heads((0..heads).map(|head| lens.map(|len| head * len)).collect()), sides, scale: 0.3 };
+        let head = |head: usize| {
+            let starts = std::array::from_fn(|i| head * lens[i]);
+            Head { starts, biases: [head * lens[4]; MOST_BIASES], scale: 0.3 }
+        };
+        let attention = Attention { heads: (0..heads).map(head).collect(), sides };
         let [q, k, v, _, bias] = [0, 1, 2, 3, 4].map(|i| numbers(i as u32, heads * lens[i]));
         alike(&format!("{sides:?}"), |isa| {
-            written(heads * lens[3], |out| attention.run(isa, [&q, &k, &v], Some(&bias), out, None))
+            written(heads * lens[3], |out| attention.run(isa, [&q, &k, &v], &[&bias[..]; MOST_BIASES], out, None))
         });
     }
 }

@@ -12,7 +12,7 @@ mod nets;
 mod onnxruntime;
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -175,7 +175,10 @@ impl Runner {
     }
 
     fn run(&mut self, counts: bool, job: &Job) -> Result<(), BenchError> {
-        let (ours, theirs) = (self.nets.run(job)?, self.other.run()?);
+        rest();
+        let ours = self.nets.run(job)?;
+        rest();
+        let theirs = self.other.run()?;
         if counts {
             self.ours.push(ours);
             self.theirs.extend(theirs);
@@ -238,6 +241,15 @@ impl Other {
     fn run(&mut self) -> Result<Option<[f64; 2]>, BenchError> {
         Ok(None)
     }
+}
+
+/// How long both engines rest before the other's turn: their threads look for work for a while after a run, and would
+/// take a processor from it. ONNX Runtime's do for 20 to 50 ms.
+const REST: Duration = Duration::from_millis(100);
+
+/// Waits until no thread of an engine looks for work any more.
+fn rest() {
+    std::thread::sleep(REST);
 }
 
 /// Seconds that `f` takes, and its answer.

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::nets::numbers;
-use super::{BenchError, Options, median, peak_rss_mib, processor, timed};
+use super::{BenchError, Options, median, peak_rss_mib, processor, rest, timed};
 use crate::job::Job;
 use crate::synth::tract::{OnnxBytes, OnnxFile, OpSeconds, Output, Runnable, picture_shape, pool, prepare_file};
 
@@ -54,8 +54,10 @@ pub fn run(
     let (mut ours, mut theirs, mut answer) = (Vec::new(), Vec::new(), None);
     // The first round warms up.
     for round in 0..=options.runs.max(1) {
+        rest();
         let (took, made) = timed(|| net.run(&picture, job.cancel));
         output = made?;
+        rest();
         let other = other.run(&picture)?;
         if round > 0 {
             ours.push(took);

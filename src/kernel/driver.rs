@@ -10,6 +10,7 @@ use super::isa::{Isa, on_isa};
 use super::pack::{BLOCK, Packed};
 use super::padded::{Padded, SendPtr};
 use super::shape::Kernel;
+use super::team;
 use super::tile::{Activation, Tile, max_vectors};
 use crate::job::Cancelled;
 
@@ -57,23 +58,19 @@ impl Valid<'_> {
         let out = SendPtr(out.as_mut_ptr().cast());
         let blocks = rows.div_ceil(plan.block_rows);
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        let zero = || vec![[0.0; 2]; if sums { channels } else { 0 }];
-        let total = (0..batch * blocks)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|task| {
-                let first = task % blocks * plan.block_rows;
-                let rows = first..(first + plan.block_rows).min(rows);
-                let mut block = zero();
-                if !stopped() {
-                    self.block(&plan, task / blocks, rows, out, &mut block);
-                }
-                block
-            })
-            .reduce(zero, |mut a, b| {
-                a.iter_mut().zip(b).for_each(|(a, b)| *a = [a[0] + b[0], a[1] + b[1]]);
-                a
-            });
+        let block = |task: usize, sums: &mut [[f64; 2]]| {
+            let first = task % blocks * plan.block_rows;
+            let rows = first..(first + plan.block_rows).min(rows);
+            if !stopped() {
+                self.block(&plan, task / blocks, rows, out, sums);
+            }
+        };
+        let mut total = Vec::new();
+        if sums {
+            total = summed(batch * blocks, channels, block);
+        } else {
+            team::each(batch * blocks, |task| block(task, &mut []));
+        }
         if stopped() { Err(Cancelled) } else { Ok(total) }
     }
 
@@ -204,6 +201,20 @@ impl Valid<'_> {
             on_isa!(self.isa, convolve_tile(tile));
         }
     }
+}
+
+/// The sums over all blocks, each of which adds to those it is given.
+fn summed(blocks: usize, channels: usize, block: impl Fn(usize, &mut [[f64; 2]]) + Sync + Send) -> Vec<[f64; 2]> {
+    let zero = || vec![[0.0; 2]; channels];
+    let of_block = |task| {
+        let mut sums = zero();
+        block(task, &mut sums);
+        sums
+    };
+    (0..blocks).into_par_iter().with_max_len(1).map(of_block).reduce(zero, |mut a, b| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a = [a[0] + b[0], a[1] + b[1]]);
+        a
+    })
 }
 
 /// Values in a line of the cache.

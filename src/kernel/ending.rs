@@ -52,10 +52,4 @@ impl Ending<'_> {
     pub(super) fn is_some(&self) -> bool {
         self.summand.is_some() || self.limits.are_some()
     }
-
-    /// The result at a place of the tensor.
-    #[inline(always)]
-    pub(super) fn of(&self, at: usize, value: f32) -> f32 {
-        self.limits.of(value + self.summand.map_or(0.0, |summand| summand[at]))
-    }
 }

@@ -105,3 +105,16 @@ macro_rules! on_isa {
     };
 }
 pub(super) use on_isa;
+
+/// Asks for some lines of the second cache from `at` on.
+#[inline(always)]
+pub(super) fn prefetch(at: *const f32, lines: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0..lines {
+        use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
+        // SAFETY: a prefetch of any address is harmless, and every x86-64 has it.
+        unsafe { _mm_prefetch::<_MM_HINT_T1>(at.wrapping_add(16 * line).cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (at, lines);
+}

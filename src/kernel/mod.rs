@@ -42,7 +42,8 @@
 //!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
 //!
-//! Parallel over blocks of rows on the current rayon pool; a cancel flag is looked at before each block.
+//! Parallel over blocks of rows by the [`team`] that this thread leads, else on the current rayon pool; a cancel flag is
+//! looked at before each block.
 
 #![allow(unsafe_code, reason = "SIMD intrinsics and writing disjoint rows of one buffer from several threads")]
 
@@ -62,6 +63,7 @@ pub mod product;
 pub mod resize;
 mod shape;
 mod step;
+pub mod team;
 mod tile;
 pub mod token;
 mod vector;

@@ -3,10 +3,9 @@
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use super::isa::{Isa, on_isa};
 use super::padded::SendPtr;
+use super::team;
 use super::vector::Vector;
 use crate::job::Cancelled;
 
@@ -85,7 +84,7 @@ pub fn resize(
     let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
     let pieces = out_rows.div_ceil(TASK_ROWS);
     let out = SendPtr(out.as_mut_ptr().cast::<f32>());
-    (0..planes * pieces).into_par_iter().with_max_len(4).for_each_init(Kept::default, |kept, task| {
+    team::each_with(planes * pieces, Kept::default, |kept, task| {
         if stopped() {
             return;
         }

@@ -3,10 +3,9 @@
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use super::isa::{Isa, on_isa};
 use super::padded::SendPtr;
+use super::team;
 use super::vector::Vector;
 use crate::job::Cancelled;
 
@@ -29,10 +28,11 @@ pub fn layer_norm(
     assert_eq!((x.len() % len, shift.len(), out.len()), (0, scale.len(), x.len()), "lengths of a normalisation");
     let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
     let out = SendPtr(out.as_mut_ptr().cast::<f32>());
-    x.par_chunks(TASK_ROWS * len).enumerate().for_each(|(task, x)| {
+    team::each(x.len().div_ceil(TASK_ROWS * len), |task| {
         if stopped() {
             return;
         }
+        let x = &x[task * TASK_ROWS * len..((task + 1) * TASK_ROWS * len).min(x.len())];
         for (row, x) in x.chunks_exact(len).enumerate() {
             // SAFETY: the rows of this task are written by it alone.
             let out = unsafe { out.at((task * TASK_ROWS + row) * len) };

@@ -171,9 +171,32 @@ macro_rules! entry_points {
         }
 
         $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn split_pairs(from: &[f32], to: &mut [f32]) {
+            product::depthwise::split_pairs(from, to);
+        }
+
+        $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn winograd_plane(tiles: &plane_tile::Tiles, scratch: *mut f32) {
             // SAFETY: the caller's word.
             unsafe { plane_tile::run::<$vector>(tiles, scratch) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_enter(tiles: &plane_tile::Tiles, to: plane_tile::Transformed) {
+            // SAFETY: the caller's word.
+            unsafe { plane_tile::enter::<$vector>(tiles, to) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_component(component: &plane_tile::Component) {
+            // SAFETY: the caller's word.
+            unsafe { plane_tile::component::<$vector>(component) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn winograd_leave(tiles: &plane_tile::Tiles, from: plane_tile::Transformed) {
+            // SAFETY: the caller's word.
+            unsafe { plane_tile::leave::<$vector>(tiles, from) }
         }
 
         $(#[target_feature(enable = $features)])?

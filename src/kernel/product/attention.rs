@@ -1,15 +1,14 @@
-//! `softmax(scale · q · kᵀ + bias) · v`, a block of queries at a time: the scores never leave the cache.
+//! `softmax(scale · q · kᵀ + biases) · v`, a block of queries at a time: the scores never leave the cache.
 
 use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use super::tile::{Block, Finish, VECTORS};
 use crate::job::Cancelled;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
+use crate::kernel::team;
 
 /// Lengths and steps of one head. Steps are values from one row to the next, and from one column to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,23 +29,31 @@ pub struct Sides {
     pub value_steps: [usize; 2],
     /// Of the answer `[queries, values]`; the second is 1.
     pub out_steps: [usize; 2],
-    /// Of the bias `[queries, keys]`; 0 where it is the same all along.
-    pub bias_steps: [usize; 2],
+    /// Of each bias `[queries, keys]`; 0 where it is the same all along.
+    pub bias_steps: [[usize; 2]; MOST_BIASES],
 }
 
-/// Where each head begins in queries, keys, values, answer and bias.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Heads(pub Vec<[usize; 5]>);
+/// Biases that an attention has at most: by place, and twice a mask of windows.
+pub const MOST_BIASES: usize = 3;
+
+/// One head.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Head {
+    /// Where it begins in queries, keys, values and answer.
+    pub starts: [usize; 4],
+    /// Where it begins in each bias.
+    pub biases: [usize; MOST_BIASES],
+    /// The factor of its scores; not 0.
+    pub scale: f32,
+}
 
 /// Attention of some heads of equal size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attention {
     /// The heads.
-    pub heads: Heads,
+    pub heads: Vec<Head>,
     /// The size of one.
     pub sides: Sides,
-    /// The factor of the scores.
-    pub scale: f32,
 }
 
 /// Scores of a block at most: they stay in the second cache.
@@ -62,16 +69,15 @@ pub(in crate::kernel) struct Scores<'a> {
     pub(in crate::kernel) rows: usize,
     pub(in crate::kernel) len: usize,
     pub(in crate::kernel) scale: f32,
-    /// From the first row on; empty adds nothing.
-    pub(in crate::kernel) bias: &'a [f32],
-    pub(in crate::kernel) bias_steps: [usize; 2],
+    /// Each from the first row on, with its steps.
+    pub(in crate::kernel) biases: &'a [(&'a [f32], [usize; 2])],
     /// Gets 1 over the sum of each row.
     pub(in crate::kernel) over_sums: *mut f32,
 }
 
 /// Some queries of one head, and room for their scores.
 struct Task<'a> {
-    head: [usize; 5],
+    head: &'a Head,
     rows: Range<usize>,
     /// Keys and values as panels.
     packed: &'a [Vec<f32>; 2],
@@ -93,21 +99,22 @@ impl Attention {
         &self,
         isa: Isa,
         [q, k, v]: [&[f32]; 3],
-        bias: Option<&[f32]>,
+        biases: &[&[f32]],
         out: &mut [MaybeUninit<f32>],
         cancel: Option<&AtomicBool>,
     ) -> Result<(), Cancelled> {
-        self.check([q.len(), k.len(), v.len(), out.len()], bias.map(<[f32]>::len));
+        self.check([q.len(), k.len(), v.len(), out.len()], biases);
         let sides = self.sides;
         let width = VECTORS * isa.lanes();
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        let packed: Vec<[Vec<f32>; 2]> = self.heads.0.par_iter().map(|head| self.pack(head, k, v, isa)).collect();
+        let mut packed: Vec<[Vec<f32>; 2]> = vec![Default::default(); self.heads.len()];
+        team::each_chunk(&mut packed, 1, |head, packed| packed[0] = self.pack(&self.heads[head], k, v, isa));
         let fitting = MOST_SCORES / sides.keys.max(1) / STEP * STEP;
         let block_rows = fitting.clamp(STEP, 8 * STEP);
         let blocks = sides.queries.div_ceil(block_rows);
         let out = SendPtr(out.as_mut_ptr().cast::<f32>());
         let step = sides.keys.next_multiple_of(width) + 16;
-        (0..self.heads.0.len() * blocks).into_par_iter().with_max_len(1).for_each_init(Vec::new, |scratch, task| {
+        team::each_with(self.heads.len() * blocks, Vec::new, |scratch, task| {
             if stopped() {
                 return;
             }
@@ -115,21 +122,21 @@ impl Attention {
             scratch.resize(block_rows * (step + 1), 0.0);
             let (scores, over_sums) = scratch.split_at_mut(block_rows * step);
             let block = Task {
-                head: self.heads.0[head],
+                head: &self.heads[head],
                 rows: first..(first + block_rows).min(sides.queries),
                 packed: &packed[head],
                 scores: scores.as_mut_ptr(),
                 step,
                 over_sums: over_sums.as_mut_ptr(),
             };
-            self.block(isa, &block, [q, bias.unwrap_or_default()], &out);
+            self.block(isa, &block, q, biases, &out);
         });
         if stopped() { Err(Cancelled) } else { Ok(()) }
     }
 
     /// Some queries of one head.
-    fn block(&self, isa: Isa, task: &Task, [q, bias]: [&[f32]; 2], out: &SendPtr) {
-        let ([at_query, _, _, at_out, at_bias], rows, [k, v]) = (task.head, task.rows.clone(), task.packed);
+    fn block(&self, isa: Isa, task: &Task, q: &[f32], biases: &[&[f32]], out: &SendPtr) {
+        let ([at_query, _, _, at_out], rows, [k, v]) = (task.head.starts, task.rows.clone(), task.packed);
         let s = self.sides;
         let width = VECTORS * isa.lanes();
         let whole = Block {
@@ -147,14 +154,18 @@ impl Attention {
         // SAFETY: `check` made sure that these queries lie in the tensor.
         let product = Block { a: unsafe { q.as_ptr().add(at_query + rows.start * s.query_steps[0]) }, ..whole };
         on_isa!(isa, product(&product));
+        let mut from_here: [(&[f32], [usize; 2]); MOST_BIASES] = Default::default();
+        for (i, bias) in biases.iter().enumerate() {
+            let (start, steps) = (task.head.biases[i], s.bias_steps[i]);
+            from_here[i] = (&bias[start + rows.start * steps[0]..], steps);
+        }
         let soft = Scores {
             first: task.scores,
             step: task.step,
             rows: rows.len(),
             len: s.keys,
-            scale: self.scale,
-            bias: bias.get(at_bias + rows.start * s.bias_steps[0]..).unwrap_or_default(),
-            bias_steps: s.bias_steps,
+            scale: task.head.scale,
+            biases: &from_here[..biases.len()],
             over_sums: task.over_sums,
         };
         on_isa!(isa, soft_scores(&soft));
@@ -174,7 +185,7 @@ impl Attention {
         on_isa!(isa, product(&answer));
     }
 
-    fn check(&self, lens: [usize; 4], bias: Option<usize>) {
+    fn check(&self, lens: [usize; 4], biases: &[&[f32]]) {
         let s = &self.sides;
         let last = |[rows, columns]: [usize; 2], steps: [usize; 2]| {
             rows.saturating_sub(1) * steps[0] + columns.saturating_sub(1) * steps[1] + 1
@@ -186,23 +197,29 @@ impl Attention {
             last([s.queries, s.values], s.out_steps),
         ];
         assert_eq!((s.query_steps[1], s.out_steps[1]), (1, 1), "steps along a row");
-        for head in &self.heads.0 {
+        assert!(biases.len() <= MOST_BIASES, "an attention of {} biases", biases.len());
+        for head in &self.heads {
             for tensor in 0..4 {
-                assert!(head[tensor] + extents[tensor] <= lens[tensor], "length of tensor {tensor} of an attention");
+                assert!(
+                    head.starts[tensor] + extents[tensor] <= lens[tensor],
+                    "length of tensor {tensor} of an attention"
+                );
             }
-            let bias_extent = head[4] + last([s.queries, s.keys], s.bias_steps);
-            assert!(bias.is_none_or(|len| bias_extent <= len), "length of the bias of an attention");
+            for (i, bias) in biases.iter().enumerate() {
+                let extent = head.biases[i] + last([s.queries, s.keys], s.bias_steps[i]);
+                assert!(extent <= bias.len(), "length of a bias of an attention");
+            }
         }
     }
 
     /// Keys and values of one head as panels: `[panel][depth][key]`, `[panel][key][column]`.
-    fn pack(&self, head: &[usize; 5], k: &[f32], v: &[f32], isa: Isa) -> [Vec<f32>; 2] {
+    fn pack(&self, head: &Head, k: &[f32], v: &[f32], isa: Isa) -> [Vec<f32>; 2] {
         let s = &self.sides;
         let width = VECTORS * isa.lanes();
         let mut keys = vec![0.0; s.keys.div_ceil(width) * s.depth * width];
         for key in 0..s.keys {
             let target = &mut keys[key / width * s.depth * width + key % width..];
-            let source = &k[head[1] + key * s.key_steps[0]..];
+            let source = &k[head.starts[1] + key * s.key_steps[0]..];
             let values = source.iter().step_by(s.key_steps[1].max(1)).take(s.depth);
             values.zip(target.iter_mut().step_by(width)).for_each(|(value, target)| *target = *value);
         }
@@ -211,7 +228,7 @@ impl Attention {
             let first = panel * width;
             let count = width.min(s.values - first);
             for (key, target) in target.chunks_exact_mut(width).enumerate() {
-                let source = &v[head[2] + key * s.value_steps[0] + first * s.value_steps[1]..];
+                let source = &v[head.starts[2] + key * s.value_steps[0] + first * s.value_steps[1]..];
                 let source = source.iter().step_by(s.value_steps[1].max(1));
                 source.zip(&mut target[..count]).for_each(|(value, target)| *target = *value);
             }

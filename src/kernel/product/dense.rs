@@ -3,14 +3,13 @@
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use super::panels::Panels;
 use super::tile::{Block, Finish};
 use crate::job::Cancelled;
 use crate::kernel::ending::Limits;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
+use crate::kernel::team;
 use crate::kernel::tile::Activation;
 
 /// A product with constant weights `[depth, columns]`.
@@ -57,7 +56,7 @@ impl Dense<'_> {
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
         let (x, summand) =
             (SendPtr(x.as_ptr().cast_mut()), SendPtr(summand.map_or(std::ptr::null(), <[f32]>::as_ptr).cast_mut()));
-        (0..rows.div_ceil(block_rows.max(1))).into_par_iter().with_max_len(1).for_each(|task| {
+        team::each(rows.div_ceil(block_rows.max(1)), |task| {
             if stopped() {
                 return;
             }

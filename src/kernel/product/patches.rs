@@ -22,6 +22,11 @@ pub struct Patches {
 }
 
 impl Patches {
+    /// Values of the padded picture along an axis that the kernel passes over.
+    pub(super) fn reach(&self, axis: usize) -> usize {
+        (self.output[axis].max(1) - 1) * self.stride[axis] + (self.kernel[axis].max(1) - 1) * self.dilation[axis] + 1
+    }
+
     /// Values in a patch, `[channel][row][column]`.
     pub fn depth(&self) -> usize {
         self.channels * self.kernel[0] * self.kernel[1]

@@ -4,14 +4,13 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use super::patches::Patches;
-use super::tile::{Block, Finish, VECTORS};
+use super::tile::{Block, Finish, VECTORS, aligned, panel_step};
 use crate::job::Cancelled;
 use crate::kernel::ending::Limits;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
+use crate::kernel::team;
 use crate::kernel::tile::Activation;
 
 /// A product of constant weights `[channels, depth]` with pixels.
@@ -64,12 +63,12 @@ impl Project<'_> {
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
         let out = SendPtr(out.as_mut_ptr().cast::<f32>());
         let summand = summand.map(|summand| SendPtr(summand.as_ptr().cast_mut()));
-        (0..plan.tasks).into_par_iter().with_max_len(1).for_each_init(Vec::new, |packed, task| {
+        team::each_with(plan.tasks, Vec::new, |packed, task| {
             if stopped() {
                 return;
             }
             let [rows, columns] = plan.task(task);
-            x.pack(depth, pixels, columns.clone(), plan.width, packed);
+            let packed = x.pack(depth, pixels, columns.clone(), plan.width, packed);
             let at = rows.start * pixels + columns.start;
             // SAFETY: the lengths were checked above; these rows and columns are written by this task alone.
             let block = unsafe {
@@ -77,7 +76,7 @@ impl Project<'_> {
                     a: self.weights.as_ptr().add(rows.start * depth),
                     a_step: depth,
                     panels: packed.as_ptr(),
-                    panel_step: depth * plan.width,
+                    panel_step: panel_step(depth, plan.width),
                     depth,
                     rows: rows.len(),
                     columns: columns.len(),
@@ -115,7 +114,9 @@ impl Plan {
         let panels = pixels.div_ceil(width);
         let wanted = 3 * rayon::current_num_threads();
         let fitting = (MOST_PACKED / (depth * width).max(1)).max(1);
-        let task_panels = panels.div_ceil(wanted).clamp(1, fitting.max(4));
+        // More weights than pixels: each task has its own weights, and all pixels.
+        let by_rows = channels >= pixels && panels <= fitting;
+        let task_panels = if by_rows { panels } else { panels.div_ceil(wanted).clamp(1, fitting.max(4)) };
         let column_blocks = panels.div_ceil(task_panels);
         // Few pixels: the channels are shared out too, and each task packs for itself.
         let row_blocks = (wanted / column_blocks.max(1)).clamp(1, channels.div_ceil(24));
@@ -143,11 +144,20 @@ impl Columns<'_> {
         }
     }
 
-    /// Packs some pixels as `[panel][depth][pixel of the panel]`; what fills no panel is 0.
-    fn pack(&self, depth: usize, pixels: usize, columns: Range<usize>, width: usize, packed: &mut Vec<f32>) {
-        packed.resize(columns.len().div_ceil(width) * depth * width, 0.0);
+    /// Packs some pixels as `[panel][depth][pixel of the panel]`, panels being [`panel_step`] apart; what fills no panel
+    /// is 0.
+    pub(super) fn pack<'p>(
+        &self,
+        depth: usize,
+        pixels: usize,
+        columns: Range<usize>,
+        width: usize,
+        packed: &'p mut Vec<f32>,
+    ) -> &'p [f32] {
+        let step = panel_step(depth, width);
+        let packed = aligned(packed, columns.len().div_ceil(width) * step);
         // What is not written below: the end of the last panel, and what patches have outside of the picture.
-        let first_kept = if matches!(self, Self::Patches(..)) { 0 } else { columns.len() / width * depth * width };
+        let first_kept = if matches!(self, Self::Patches(..)) { 0 } else { columns.len() / width * step };
         packed[first_kept..].fill(0.0);
         let panels = || columns.clone().step_by(width).map(|first| first..(first + width).min(columns.end)).enumerate();
         match self {
@@ -156,14 +166,14 @@ impl Columns<'_> {
                 for k in 0..depth {
                     let row = &x[k * pixels..][columns.clone()];
                     match width {
-                        16 => pack_row::<16>(row, &mut packed[k * width..], depth),
-                        _ => pack_row::<32>(row, &mut packed[k * width..], depth),
+                        16 => pack_row::<16>(row, &mut packed[k * width..], step),
+                        _ => pack_row::<32>(row, &mut packed[k * width..], step),
                     }
                 }
             }
             Self::PixelsFirst(x) => {
                 for (panel, pixels_of) in panels() {
-                    let target = &mut packed[panel * depth * width..][..depth * width];
+                    let target = &mut packed[panel * step..][..depth * width];
                     for (column, pixel) in pixels_of.enumerate() {
                         let values = &x[pixel * depth..][..depth];
                         values.iter().zip(target[column..].iter_mut().step_by(width)).for_each(|(x, t)| *t = *x);
@@ -172,20 +182,21 @@ impl Columns<'_> {
             }
             Self::Patches(x, patches) => {
                 for (panel, pixels_of) in panels() {
-                    patches.pack(x, pixels_of, &mut packed[panel * depth * width..][..depth * width], width);
+                    patches.pack(x, pixels_of, &mut packed[panel * step..][..depth * width], width);
                 }
             }
         }
+        packed
     }
 }
 
 /// Copies a row to every panel of `W` columns; `target` begins with its place in the first.
-fn pack_row<const W: usize>(row: &[f32], target: &mut [f32], depth: usize) {
+fn pack_row<const W: usize>(row: &[f32], target: &mut [f32], step: usize) {
     let (whole, rest) = row.as_chunks::<W>();
     let mut at = 0;
     for chunk in whole {
         target[at..at + W].copy_from_slice(chunk);
-        at += depth * W;
+        at += step;
     }
     if !rest.is_empty() {
         target[at..at + rest.len()].copy_from_slice(rest);

@@ -3,7 +3,7 @@
 use super::attention::Scores;
 use crate::kernel::vector::{Vector, exp_of_negative};
 
-/// Turns scores `s` into `exp(t − max t)`, `t = scale · s + bias`, and notes 1 over the sum of each row.
+/// Turns scores `s` into `exp(t − max t)`, `t = scale · s + Σ bias`, and notes 1 over the sum of each row.
 ///
 /// # Safety
 /// All pointers are good for what the sizes say; the processor has the instructions of `V`.
@@ -13,53 +13,60 @@ pub(in crate::kernel) unsafe fn run<V: Vector>(scores: &Scores) {
         // SAFETY: the caller's word.
         unsafe {
             let values = scores.first.add(row * scores.step);
-            if scores.bias_steps[1] > 1 && !scores.bias.is_empty() {
-                add_sparse(scores, values, row);
+            // The last is added on the way, if its values lie one behind the other.
+            let (last, others) = match scores.biases {
+                [others @ .., (bias, steps)] if steps[1] <= 1 => {
+                    (bias.get(row * steps[0]..).zip(Some(steps[1])), others)
+                }
+                others => (None, others),
+            };
+            for (bias, steps) in others {
+                add::<V>(scores, values, &bias[row * steps[0]..], steps[1]);
             }
-            *scores.over_sums.add(row) = 1.0 / row_of::<V>(scores, values, row);
+            *scores.over_sums.add(row) = 1.0 / row_of::<V>(scores, values, last);
         }
     }
 }
 
-/// Adds a bias whose values do not lie one behind the other, divided by the scale that follows.
-unsafe fn add_sparse(scores: &Scores, values: *mut f32, row: usize) {
-    for column in 0..scores.len {
-        // SAFETY: the caller's word.
-        unsafe {
-            let bias = *scores.bias.as_ptr().add(row * scores.bias_steps[0] + column * scores.bias_steps[1]);
-            *values.add(column) += bias / scores.scale;
-        }
-    }
-}
-
-/// The sum of a row.
+/// Adds a row of a bias, divided by the scale that follows.
 #[inline(always)]
-unsafe fn row_of<V: Vector>(scores: &Scores, values: *mut f32, row: usize) -> f32 {
+unsafe fn add<V: Vector>(scores: &Scores, values: *mut f32, bias: &[f32], step: usize) {
+    let whole = if step == 1 { scores.len / V::LANES * V::LANES } else { 0 };
+    // SAFETY: the caller's word.
+    unsafe {
+        let factor = V::splat(1.0 / scores.scale);
+        for at in (0..whole).step_by(V::LANES) {
+            V::load(bias.as_ptr().add(at)).mul_add(factor, V::load(values.add(at))).store(values.add(at));
+        }
+        for at in whole..scores.len {
+            *values.add(at) += *bias.as_ptr().add(at * step) / scores.scale;
+        }
+    }
+}
+
+/// The sum of a row, with a bias whose values are 0 or 1 apart.
+#[inline(always)]
+unsafe fn row_of<V: Vector>(scores: &Scores, values: *mut f32, bias: Option<(&[f32], usize)>) -> f32 {
     // SAFETY: the caller's word.
     unsafe {
         let whole = scores.len / V::LANES * V::LANES;
         let left = scores.len - whole;
         let scale = V::splat(scores.scale);
-        let dense = !scores.bias.is_empty() && scores.bias_steps[1] <= 1;
-        let bias = |at: usize, n: usize| match scores.bias_steps[1] {
-            _ if !dense => V::splat(0.0),
-            0 => V::splat(*scores.bias.as_ptr().add(row * scores.bias_steps[0])),
-            _ => load::<V>(scores.bias.as_ptr().add(row * scores.bias_steps[0] + at), n),
+        let bias_at = |at: usize| match bias {
+            None => V::splat(0.0),
+            Some((bias, 0)) => V::splat(*bias.as_ptr()),
+            Some((bias, _)) => V::load(bias.as_ptr().add(at)),
         };
         let mut most = V::splat(f32::NEG_INFINITY);
         for at in (0..whole).step_by(V::LANES) {
-            let value = V::load(values.add(at)).mul_add(scale, bias(at, V::LANES));
+            let value = V::load(values.add(at)).mul_add(scale, bias_at(at));
             value.store(values.add(at));
             most = value.max(most);
         }
         let mut largest = greatest(most);
         for at in whole..scores.len {
-            let value = *values.add(at) * scores.scale
-                + if dense {
-                    *scores.bias.as_ptr().add(row * scores.bias_steps[0] + at * scores.bias_steps[1])
-                } else {
-                    0.0
-                };
+            let bias = bias.map_or(0.0, |(bias, step)| *bias.as_ptr().add(at * step));
+            let value = *values.add(at) * scores.scale + bias;
             *values.add(at) = value;
             largest = if value > largest { value } else { largest };
         }
@@ -77,12 +84,6 @@ unsafe fn row_of<V: Vector>(scores: &Scores, values: *mut f32, row: usize) -> f3
         }
         sum
     }
-}
-
-#[inline(always)]
-unsafe fn load<V: Vector>(from: *const f32, n: usize) -> V {
-    // SAFETY: the caller's word.
-    unsafe { if n == V::LANES { V::load(from) } else { V::load_first(from, n) } }
 }
 
 /// The greatest of all lanes.

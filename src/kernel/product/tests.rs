@@ -112,8 +112,8 @@ fn patches_are_those_of_a_convolution() {
     }
 }
 
-/// Heads beside each other in a token, as transformers have them.
-fn attention(heads: usize, [queries, keys, depth, values]: [usize; 4], bias_steps: [usize; 2]) -> Attention {
+/// Heads beside each other in a token, as transformers have them, each with a factor of its own.
+fn attention(heads: usize, [queries, keys, depth, values]: [usize; 4], bias_steps: [[usize; 2]; 3]) -> Attention {
     let sides = Sides {
         queries,
         keys,
@@ -125,29 +125,34 @@ fn attention(heads: usize, [queries, keys, depth, values]: [usize; 4], bias_step
         out_steps: [heads * values, 1],
         bias_steps,
     };
-    let bias = if bias_steps == [0, 0] { 0 } else { 1 };
-    let heads = (0..heads).map(|h| [h * depth, h * depth, h * values, h * values, h * bias]).collect();
-    Attention { heads: Heads(heads), sides, scale: 0.7 }
+    let head = |h: usize| Head {
+        starts: [h * depth, h * depth, h * values, h * values],
+        biases: bias_steps.map(|steps| if steps == [0, 0] { 0 } else { h }),
+        scale: 0.7 + 0.2 * h as f32,
+    };
+    Attention { heads: (0..heads).map(head).collect(), sides }
 }
 
-fn attended_plainly(a: &Attention, [q, k, v]: [&[f32]; 3], bias: Option<&[f32]>, len: usize) -> Vec<f32> {
+fn attended_plainly(a: &Attention, [q, k, v]: [&[f32]; 3], biases: &[&[f32]], len: usize) -> Vec<f32> {
     let s = &a.sides;
     let mut out = vec![f32::NAN; len];
-    for head in &a.heads.0 {
+    for Head { starts, biases: from, scale } in &a.heads {
         for query in 0..s.queries {
             let score = |key: usize| {
-                let at = |d: usize| q[head[0] + query * s.query_steps[0] + d] * k[head[1] + key * s.key_steps[0] + d];
-                let bias = bias.map_or(0.0, |b| b[head[4] + query * s.bias_steps[0] + key * s.bias_steps[1]]);
-                f64::from(a.scale) * (0..s.depth).map(|d| f64::from(at(d))).sum::<f64>() + f64::from(bias)
+                let at =
+                    |d: usize| q[starts[0] + query * s.query_steps[0] + d] * k[starts[1] + key * s.key_steps[0] + d];
+                let place = |i: usize| from[i] + query * s.bias_steps[i][0] + key * s.bias_steps[i][1];
+                let bias: f64 = biases.iter().enumerate().map(|(i, bias)| f64::from(bias[place(i)])).sum();
+                f64::from(*scale) * (0..s.depth).map(|d| f64::from(at(d))).sum::<f64>() + bias
             };
             let scores: Vec<f64> = (0..s.keys).map(score).collect();
             let most = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             let weights: Vec<f64> = scores.iter().map(|score| (score - most).exp()).collect();
             let sum: f64 = weights.iter().sum();
             for column in 0..s.values {
-                let value = |key: usize| f64::from(v[head[2] + key * s.value_steps[0] + column]);
+                let value = |key: usize| f64::from(v[starts[2] + key * s.value_steps[0] + column]);
                 let answer = (0..s.keys).map(|key| weights[key] * value(key)).sum::<f64>() / sum;
-                out[head[3] + query * s.out_steps[0] + column] = answer as f32;
+                out[starts[3] + query * s.out_steps[0] + column] = answer as f32;
             }
         }
     }
@@ -161,22 +166,57 @@ fn attention_agrees_with_its_formula() {
     {
         let (q, k, v) =
             (numbers(1, heads * queries * depth), numbers(2, heads * keys * depth), numbers(3, heads * keys * values));
-        // Without a bias, one whose heads lie side by side, one for all queries, one with its keys in a row.
-        for (steps, len) in [
-            ([0, 0], 0),
-            ([keys * heads, heads], queries * keys * heads),
-            ([0, 1], keys + heads),
-            ([keys, 1], queries * keys + heads),
-        ] {
-            let attention = attention(heads, sides, steps);
-            let bias = numbers(4, len);
-            let bias = (len > 0).then_some(&bias[..]);
+        // One whose heads lie side by side, one for all queries, one with its keys in a row.
+        let (beside, all, row) = ([keys * heads, heads], [0, 1], [keys, 1]);
+        for steps in [vec![], vec![beside], vec![all], vec![row], vec![row, all, all], vec![beside, row, beside]] {
+            let attention = attention(heads, sides, std::array::from_fn(|i| steps.get(i).copied().unwrap_or_default()));
+            let biases: Vec<_> =
+                (0..steps.len()).map(|i| numbers(4 + i as u64, (queries * keys + 1) * heads)).collect();
+            let biases: Vec<&[f32]> = biases.iter().map(|bias| &bias[..]).collect();
             let len = heads * queries * values;
-            let want = attended_plainly(&attention, [&q, &k, &v], bias, len);
+            let want = attended_plainly(&attention, [&q, &k, &v], &biases, len);
             for isa in Isa::all() {
-                let got = written(len, |out| attention.run(isa, [&q, &k, &v], bias, out, None));
+                let got = written(len, |out| attention.run(isa, [&q, &k, &v], &biases, out, None));
                 assert_close(&got, &want, &format!("{isa} {heads} {sides:?} {steps:?}"));
             }
+        }
+    }
+}
+
+#[test]
+fn a_block_in_one_pass_is_its_three_operations() {
+    // Strides, kernels, dilations, sizes of which no piece is whole; and values that are wide already.
+    for (channels, size, kernel, stride, dilation, widens) in [
+        ([5, 24, 7], [40, 33], 3, 1, 1, true),
+        ([8, 17, 3], [64, 16], 5, 1, 1, true),
+        ([3, 20, 30], [75, 50], 5, 2, 1, true),
+        ([3, 9, 4], [31, 70], 3, 1, 2, false),
+        ([4, 6, 5], [7, 9], 3, 2, 1, true),
+    ] {
+        let [channels_in, wide, channels_out] = channels;
+        let reach = (kernel - 1) * dilation;
+        let output = size.map(|len: usize| (len - 1) / stride + 1);
+        let (kernel, stride, dilation) = ([kernel; 2], [stride; 2], [dilation; 2]);
+        let patches = Patches { channels: wide, size, kernel, stride, dilation, before: [reach / 2; 2], output };
+        let plane = size[0] * size[1];
+        let channels_in = if widens { channels_in } else { wide };
+        let x = numbers(1, channels_in * plane);
+        let (w1, b1) = (numbers(2, wide * channels_in), numbers(3, wide));
+        let (w2, b2) = (numbers(4, wide * kernel[0] * kernel[1]), numbers(5, wide));
+        let (w3, b3) = (numbers(6, channels_out * wide), numbers(7, channels_out));
+        let more = numbers(8, channels_out * patches.pixels());
+        let (activation, limits) = (Activation::Clamp { low: 0.0, high: 6.0 }, Limits { low: -2.0, high: 2.0 });
+        for isa in Isa::all() {
+            let widen = Project { isa, weights: &w1, bias: &b1, activation, limits: Limits::NONE };
+            let depthwise = DepthWise { isa, patches: &patches, weights: &w2, bias: &b2, activation };
+            let narrow = Project { isa, weights: &w3, bias: &b3, activation: Activation::None, limits };
+            let first = written(wide * plane, |out| widen.run(Columns::Planes(&x), None, out, None));
+            let second =
+                written(wide * patches.pixels(), |out| depthwise.run(if widens { &first } else { &x }, out, None));
+            let want = written(more.len(), |out| narrow.run(Columns::Planes(&second), Some(&more), out, None));
+            let block = Inverted { widen: widens.then_some(widen), depthwise, narrow };
+            let got = written(more.len(), |out| block.run(&x, Some(&more), out, None));
+            assert_close(&got, &want, &format!("{isa} {patches:?}"));
         }
     }
 }
@@ -258,7 +298,7 @@ fn a_set_flag_stops_them_all() {
     assert_eq!(dense.run(&x, None, &mut out, Some(&stop)), Err(Cancelled));
     let project = Project { isa, weights: &x, bias: &bias, activation, limits: Limits::NONE };
     assert_eq!(project.run(Columns::Planes(&x), None, &mut out, Some(&stop)), Err(Cancelled));
-    let attention = attention(1, [8; 4], [0, 0]);
-    assert_eq!(attention.run(isa, [&x, &x, &x], None, &mut out, Some(&stop)), Err(Cancelled));
+    let attention = attention(1, [8; 4], [[0, 0]; 3]);
+    assert_eq!(attention.run(isa, [&x, &x, &x], &[], &mut out, Some(&stop)), Err(Cancelled));
     assert_eq!(token::layer_norm(isa, &x, 1.0, [&bias, &bias], &mut out, Some(&stop)), Err(Cancelled));
 }

@@ -10,6 +10,22 @@ use crate::kernel::vector::Vector;
 /// Vectors in a panel.
 pub(in crate::kernel) const VECTORS: usize = 2;
 
+/// Values in a line of the cache.
+pub(super) const LINE: usize = 16;
+
+/// Values between the panels of a right matrix that is packed for one product: an odd number of lines, lest the panels
+/// fall into one set of the cache.
+pub(super) fn panel_step(depth: usize, width: usize) -> usize {
+    ((depth * width).div_ceil(LINE) | 1) * LINE
+}
+
+/// Room for `len` values from the beginning of a line on; what was never written is 0.
+pub(super) fn aligned(values: &mut Vec<f32>, len: usize) -> &mut [f32] {
+    values.resize(values.len().max(len + LINE), 0.0);
+    let skipped = values.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
+    &mut values[skipped..][..len]
+}
+
 /// What is done with the sums of a tile before they are written.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::kernel) struct Finish {
@@ -37,6 +53,12 @@ impl Finish {
         summand: std::ptr::null(),
         limits: Limits::NONE,
     };
+
+    /// Whether it is a bias a row, limits, perhaps a summand, and limits again: what follows most convolutions.
+    fn is_usual(&self) -> bool {
+        let clamps = matches!(self.activation, Activation::None | Activation::Clamp { .. });
+        clamps && !self.row_bias.is_null() && self.column_bias.is_null() && self.row_factor.is_null()
+    }
 
     /// The same, from another row and column on.
     fn at(self, row: usize, column: usize, step: usize) -> Self {
@@ -133,8 +155,10 @@ unsafe fn rows<V: Vector>(tile: &Tile, rows: usize) {
         unsafe {
             row += match (V::LANES >= 16, tile.columns <= V::LANES) {
                 (true, false) if left >= 12 => compute::<V, 12, 2>(tile, row),
-                (_, false) if left >= 6 => compute::<V, 6, 2>(tile, row),
-                (_, false) if left >= 3 => compute::<V, 3, 2>(tile, row),
+                (true, false) if left >= 8 => compute::<V, 8, 2>(tile, row),
+                (true, false) if left >= 4 => compute::<V, 4, 2>(tile, row),
+                (false, false) if left >= 6 => compute::<V, 6, 2>(tile, row),
+                (false, false) if left >= 3 => compute::<V, 3, 2>(tile, row),
                 (_, false) => compute::<V, 1, 2>(tile, row),
                 (_, true) if left >= 8 => compute::<V, 8, 1>(tile, row),
                 (_, true) if left >= 4 => compute::<V, 4, 1>(tile, row),
@@ -153,6 +177,11 @@ unsafe fn compute<V: Vector, const M: usize, const N: usize>(tile: &Tile, row: u
         let sums = accumulate::<V, M, N>(tile, row);
         let out = tile.out.add(row * tile.out_step);
         let finish = tile.finish.map(|finish| finish.at(row, 0, tile.out_step));
+        if let Some(finish) = finish.filter(|finish| finish.is_usual() && !tile.goes_on && tile.columns == N * V::LANES)
+        {
+            usual::<V, M, N>(&sums, &finish, out, tile.out_step);
+            return M;
+        }
         // The rows are not unrolled here, so what they index lives in memory. The sums themselves must not.
         let mut results = [[V::splat(0.0); N]; M];
         for (results, sums) in results.iter_mut().zip(&sums) {
@@ -176,6 +205,36 @@ unsafe fn compute<V: Vector, const M: usize, const N: usize>(tile: &Tile, row: u
             }
         }
         M
+    }
+}
+
+/// Ends sums as [`Finish::is_usual`] says, and writes them, without leaving their registers.
+#[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "with counts that are constants all of it is unrolled")]
+unsafe fn usual<V: Vector, const M: usize, const N: usize>(
+    sums: &[[V; N]; M],
+    finish: &Finish,
+    out: *mut f32,
+    step: usize,
+) {
+    let first = match finish.activation {
+        Activation::Clamp { low, high } => Limits { low, high },
+        _ => Limits::NONE,
+    };
+    // SAFETY: the caller's word.
+    unsafe {
+        let [first, last] = [first, finish.limits].map(|limits| [V::splat(limits.low), V::splat(limits.high)]);
+        for m in 0..M {
+            let bias = V::splat(*finish.row_bias.add(m));
+            for n in 0..N {
+                let at = m * step + n * V::LANES;
+                let mut value = first[1].min(first[0].max(sums[m][n].add(bias)));
+                if !finish.summand.is_null() {
+                    value = value.add(V::load(finish.summand.add(at)));
+                }
+                last[1].min(last[0].max(value)).store(out.add(at));
+            }
+        }
     }
 }
 

@@ -13,6 +13,7 @@
 
 pub(super) mod batch;
 mod plane;
+mod plane_components;
 pub(super) mod plane_tile;
 mod transform;
 mod volume;

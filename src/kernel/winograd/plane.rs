@@ -4,16 +4,15 @@ use std::cell::RefCell;
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
-use super::Layer;
-use super::plane_tile::{COMPONENTS, GROUP, TILES, Tiles, scratch_len};
+use super::plane_tile::{COMPONENTS, GROUP, TILES, TOGETHER, Tiles, scratch_len};
 use super::transform::{POINTS, of_weights};
+use super::{Layer, plane_components};
 use crate::job::Cancelled;
 use crate::kernel::ending::{Ending, Limits};
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
 use crate::kernel::shape::Padding;
+use crate::kernel::team;
 use crate::kernel::tile::Activation;
 
 thread_local! {
@@ -45,11 +44,6 @@ impl PlaneChain {
     pub fn pays([channels_in, channels_out]: [usize; 2]) -> bool {
         let whole = channels_in.is_multiple_of(GROUP) && channels_out.is_multiple_of(GROUP);
         whole && channels_in * channels_out >= 1024
-    }
-
-    /// Whether one such convolution gains by it, which the change to channel-last and back is charged to.
-    pub fn pays_alone(isa: Isa, channels: [usize; 2]) -> bool {
-        Self::pays(channels) && (isa.lanes() < 16 || channels[0] * channels[1] >= 4096)
     }
 
     /// Transforms the weights of `layers`, all of which [pay](Self::pays); each takes the channels that the one before
@@ -93,11 +87,8 @@ impl PlaneChain {
         let pixels = size[0] * size[1];
         let mut values = room(x.len());
         let first = &mut values.spare_capacity_mut()[..x.len()];
-        if before.are_some() {
-            transpose(x, first, pixels, |_, value| before.of(value));
-        } else {
-            transpose(x, first, pixels, |_, value| value);
-        }
+        let before = Ending { summand: None, limits: before };
+        transpose(self.isa, x, first, pixels, before);
         // SAFETY: `transpose` has written all of it.
         unsafe { values.set_len(x.len()) };
         for layer in &self.layers {
@@ -108,12 +99,7 @@ impl PlaneChain {
             unsafe { next.set_len(len) };
             values = next;
         }
-        let channels = self.channels_out();
-        if ending.is_some() {
-            transpose(&values, out, channels, |at, value| ending.of(at, value));
-        } else {
-            transpose(&values, out, channels, |_, value| value);
-        }
+        transpose(self.isa, &values, out, self.channels_out(), ending);
         Ok(())
     }
 }
@@ -122,22 +108,31 @@ fn room(len: usize) -> Vec<f32> {
     Vec::with_capacity(len)
 }
 
-/// `[columns, rows]` from `from` `[rows, columns]`, in squares that stay in cache; each value is what `of` its new place
-/// and itself says.
-fn transpose(from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize, of: impl Fn(usize, f32) -> f32 + Sync) {
+/// `[columns, rows]` from `from` `[rows, columns]`, and what ends it while it is in cache.
+fn transpose(isa: Isa, from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize, ending: Ending) {
     const SIDE: usize = 16;
     let rows = from.len() / columns;
     assert_eq!(from.len(), to.len(), "length of the transposed picture");
-    to.par_chunks_mut(SIDE * rows).enumerate().for_each(|(band, to)| {
+    let whole = rows / SIDE * SIDE;
+    team::each_chunk(to, SIDE * rows, |band, to| {
+        let first = band * SIDE;
         let width = to.len() / rows;
-        for first in (0..rows).step_by(SIDE) {
-            for i in 0..width {
-                let to = &mut to[i * rows..(i + 1) * rows];
-                for row in first..(first + SIDE).min(rows) {
-                    let at = (band * SIDE + i) * rows + row;
-                    to[row].write(of(at, from[row * columns + band * SIDE + i]));
-                }
+        let squares = if width == SIDE { whole } else { 0 };
+        if squares > 0 {
+            let (from, to) = (from[first..].as_ptr(), to.as_mut_ptr().cast::<f32>());
+            on_isa!(isa, transpose(from, [columns, rows], to, [squares, SIDE]));
+        }
+        for (i, to) in to.chunks_exact_mut(rows).enumerate() {
+            for (row, to) in to.iter_mut().enumerate().skip(squares) {
+                to.write(from[row * columns + first + i]);
             }
+        }
+        if ending.is_some() {
+            let start = first * rows;
+            let summand = ending.summand.map_or(&[][..], |summand| &summand[start..start + to.len()]);
+            // SAFETY: all of it was written above.
+            let to = unsafe { to.assume_init_mut() };
+            on_isa!(isa, end_row(to, summand, ending.limits));
         }
     });
 }
@@ -172,14 +167,26 @@ impl Ready {
         let zeros = vec![0.0; if self.padding == Padding::Zero { self.channels[0] } else { 0 }];
         let outside = SendPtr(if zeros.is_empty() { std::ptr::null_mut() } else { zeros.as_ptr().cast_mut() });
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        origins(size, self.dilation).par_chunks(TILES).with_max_len(1).for_each(|origins| {
+        let origins = origins(size, self.dilation);
+        let Self { channels, dilation, activation, .. } = *self;
+        let (weights, bias) = (&self.weights[..], &self.bias[..]);
+        if plane_components::pays(channels) {
+            // SAFETY: offsets of 0.
+            let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
+            let origins = &origins[..];
+            let tiles = Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, origins };
+            return plane_components::run(isa, &tiles, cancel);
+        }
+        // Small pictures go in smaller blocks, so that all threads have some.
+        let share = origins.len().div_ceil(2 * rayon::current_num_threads());
+        let block = share.next_multiple_of(TOGETHER).min(TILES);
+        team::each(origins.len().div_ceil(block), |task| {
             if stopped() {
                 return;
             }
+            let origins = &origins[task * block..((task + 1) * block).min(origins.len())];
             // SAFETY: offsets of 0.
             let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
-            let Self { channels, dilation, activation, .. } = *self;
-            let (weights, bias) = (&self.weights[..], &self.bias[..]);
             let tiles = Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, origins };
             SCRATCH.with_borrow_mut(|scratch| {
                 scratch.resize(scratch_len(channels).max(scratch.len()), 0.0);

@@ -12,13 +12,14 @@ use crate::kernel::vector::Vector;
 /// Channels that lie together in the packed weights.
 pub(super) const GROUP: usize = 16;
 /// Tiles that are multiplied together.
-const TOGETHER: usize = 6;
+pub(super) const TOGETHER: usize = 6;
 /// Tiles of a block: its transformed inputs stay in the second-level cache.
 pub(super) const TILES: usize = 24;
 /// Components of a transformed tile.
 pub(super) const COMPONENTS: usize = POINTS * POINTS;
 
 /// Tiles of one layer.
+#[derive(Clone, Copy)]
 pub(in crate::kernel) struct Tiles<'a> {
     /// Input `[y, x, c]`.
     pub(super) x: *const f32,
@@ -37,6 +38,11 @@ pub(in crate::kernel) struct Tiles<'a> {
     /// Row and column of each tile's first result, at most [`TILES`].
     pub(super) origins: &'a [[u32; 2]],
 }
+
+// SAFETY: whoever computes tiles answers for disjoint places of the result.
+unsafe impl Send for Tiles<'_> {}
+// SAFETY: as above.
+unsafe impl Sync for Tiles<'_> {}
 
 /// Values of a block's scratch memory from one component to the next, for tiles of at most `channels`.
 fn component_step(channels: [usize; 2]) -> usize {
@@ -78,6 +84,77 @@ pub(in crate::kernel) unsafe fn run<V: Vector>(tiles: &Tiles, scratch: *mut f32)
         for (i, origin) in tiles.origins.iter().enumerate() {
             transform_output::<V>(tiles, *origin, scratch.add(i * rows), step);
         }
+    }
+}
+
+/// Where transformed tiles lie: a tile in every `rows` values, a component of all in every `step`.
+#[derive(Clone, Copy)]
+pub(in crate::kernel) struct Transformed {
+    pub(super) first: *mut f32,
+    pub(super) rows: usize,
+    pub(super) step: usize,
+}
+
+/// Transforms the inputs of all tiles.
+///
+/// # Safety
+/// The pointers are good for what the sizes say; the processor has the instructions of `V`.
+#[inline(always)]
+pub(in crate::kernel) unsafe fn enter<V: Vector>(tiles: &Tiles, to: Transformed) {
+    for (i, origin) in tiles.origins.iter().enumerate() {
+        // SAFETY: the caller's word.
+        unsafe { transform_input::<V>(tiles, *origin, to.first.add(i * to.rows), to.step) };
+    }
+}
+
+/// The results of all tiles from their sums.
+///
+/// # Safety
+/// As [`enter`].
+#[inline(always)]
+pub(in crate::kernel) unsafe fn leave<V: Vector>(tiles: &Tiles, from: Transformed) {
+    for (i, origin) in tiles.origins.iter().enumerate() {
+        // SAFETY: the caller's word.
+        unsafe { transform_output::<V>(tiles, *origin, from.first.add(i * from.rows), from.step) };
+    }
+}
+
+/// One component of `count` tiles, `rows` values from tile to tile in inputs and sums; both have room for whole
+/// [`TOGETHER`].
+pub(in crate::kernel) struct Component {
+    pub(super) channels: [usize; 2],
+    pub(super) rows: usize,
+    pub(super) count: usize,
+    pub(super) from: *const f32,
+    pub(super) weights: *const f32,
+    pub(super) to: *mut f32,
+}
+
+/// Sums over the input channels for all tiles of one component: some channels of the result at a time, so that their
+/// weights stay in the fastest cache.
+///
+/// # Safety
+/// As [`enter`].
+#[inline(always)]
+pub(in crate::kernel) unsafe fn component<V: Vector>(component: &Component) {
+    let Component { channels: [c_in, c_out], rows, count, from, weights, to } = *component;
+    let groups = c_out / GROUP;
+    let mut group = 0;
+    while group < groups {
+        let wide = V::LANES == GROUP && groups - group >= 4;
+        for first in (0..count).step_by(TOGETHER) {
+            // SAFETY: the caller's word.
+            unsafe {
+                let (from, to) = (from.add(first * rows), to.add(first * rows + group * GROUP));
+                let weights = weights.add(group * c_in * GROUP);
+                match (wide, V::LANES == GROUP) {
+                    (true, _) => sums::<V, 4>(c_in, rows, from, weights, 1, to),
+                    (_, true) => sums::<V, 1>(c_in, rows, from, weights, 1, to),
+                    _ => sums::<V, 2>(c_in, rows, from, weights, GROUP / V::LANES, to),
+                }
+            }
+        }
+        group += if wide { 4 } else { 1 };
     }
 }
 

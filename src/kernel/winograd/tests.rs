@@ -92,6 +92,21 @@ fn planes_agree_with_the_direct_convolution() {
 }
 
 #[test]
+fn planes_of_many_channels_agree_with_the_direct_convolution() {
+    // The second size has more tiles than are done in one round.
+    for (padding, [height, width]) in [(Padding::Zero, [13, 7]), (Padding::Edge, [57, 70])] {
+        let net = Net::new(Kernel::Plane, padding, &[128, 256], &[1]);
+        let x = numbers(9, 128 * height * width);
+        let want = net.direct(Isa::best(), &x, [1, height, width]);
+        for isa in Isa::all() {
+            let chain = PlaneChain::new(&net.layers(), isa);
+            let got = written(want.len(), |out| chain.run(&x, [height, width], out, None).unwrap());
+            assert_near(&got, &want, 5e-5, &format!("{isa} {padding:?} {width}×{height}"));
+        }
+    }
+}
+
+#[test]
 fn volumes_agree_with_the_direct_convolution() {
     for padding in [Padding::Edge, Padding::Zero] {
         for channels in [&[4, 8, 8, 3][..], &[4, 3], &[5, 16, 12, 9]] {

@@ -8,8 +8,6 @@ use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use rayon::prelude::*;
-
 use super::Layer;
 use super::transform::{POINTS, of_weights};
 use super::volume_pass::{MARGIN, Pass, ROWS, Ring};
@@ -17,6 +15,7 @@ use crate::job::Cancelled;
 use crate::kernel::isa::Isa;
 use crate::kernel::pack::BLOCK;
 use crate::kernel::shape::Padding;
+use crate::kernel::team;
 use crate::kernel::tile::Activation;
 
 /// Memory that the kept rows of all layers may take.
@@ -129,7 +128,7 @@ impl VolumeChain {
             }
         };
         let take = |rows: Rows| {
-            out.par_chunks_exact_mut(height * width).enumerate().for_each(|(i, plane)| {
+            team::each_chunk(out, height * width, |i, plane| {
                 for y in rows.y.clone() {
                     let from = rows.row(i % views, i / views, y);
                     plane[y * width..][rows.x.clone()].iter_mut().zip(from).for_each(|(to, from)| _ = to.write(*from));

@@ -4,8 +4,6 @@ use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rayon::prelude::*;
-
 use super::transform::{POINTS, RESULTS};
 use super::volume::{Columns, Ready, Rows, VolumeChain};
 use super::volume_tile::{TILE_PIXELS, TILE_STEP, VolumeInput, VolumeTile};
@@ -14,6 +12,7 @@ use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::pack::BLOCK;
 use crate::kernel::padded::SendPtr;
 use crate::kernel::shape::Padding;
+use crate::kernel::team;
 
 /// Values in front of each row: room for the left margin, rows stay aligned.
 pub(super) const MARGIN: usize = 16;
@@ -131,7 +130,8 @@ impl<'a> Pass<'a> {
     fn fill(&mut self, rows: Range<usize>, fill: &(impl Fn(Columns, &mut [f32], usize) + Sync)) {
         let (x, padding, ring) = (self.piece.clone(), self.chain.padding, &mut self.rings[0]);
         let (views, slots, step, len) = (ring.views, ring.slots, ring.step, ring.view_step());
-        ring.values.par_chunks_exact_mut(len).enumerate().for_each(|(i, values)| {
+        let whole = ring.values.len() / len * len;
+        team::each_chunk(&mut ring.values[..whole], len, |i, values| {
             let (slot, view) = (i / (views + 1), i % (views + 1));
             let y = rows.clone().find(|y| y % slots == slot).filter(|_| slot < slots && view < views);
             if let Some(y) = y {
@@ -157,7 +157,7 @@ impl<'a> Pass<'a> {
         let out_values = SendPtr(out.values.as_mut_ptr());
         let out: &Ring = out;
         let stopped = || self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
-        (0..self.size[0].div_ceil(RESULTS)).into_par_iter().with_max_len(1).for_each(|group| {
+        team::each(self.size[0].div_ceil(RESULTS), |group| {
             if !stopped() && !rows.is_empty() {
                 SCRATCH.with_borrow_mut(|scratch| task.run(group, out, out_values, scratch));
             }

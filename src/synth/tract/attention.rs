@@ -1,6 +1,8 @@
 //! Puts the kernel's attention in place of product, softmax, product.
 //!
-//! Looked for: `softmax(q · k (· a number) (+ bias)) · v`, whatever order the axes of the five tensors have.
+//! Looked for: `softmax(q · k (· a factor, perhaps one a head) (+ biases)) · v`, whatever order the axes of the tensors have.
+
+use std::sync::Arc;
 
 use tract_onnx::tract_core::internal::*;
 use tract_onnx::tract_core::ops::array::Slice;
@@ -13,14 +15,14 @@ use super::op;
 use super::roles::{self, Role, RoleAxis};
 use crate::job::Cancel;
 use crate::kernel::Isa;
-use crate::kernel::product::{Attention, Heads, Sides};
+use crate::kernel::product::{Attention, Head, MOST_BIASES, Sides};
 
 /// Rewrites a decluttered model.
 pub(super) fn rewrite(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
     Rewriter::<Isa>::default().with_rule_for("attention", rule).rewrite(&isa, model)
 }
 
-/// Attention. Inputs: queries, keys, values, and a bias where there is one.
+/// Attention. Inputs: queries, keys, values, and biases where there are some.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AttentionOp {
     isa: Isa,
@@ -43,14 +45,19 @@ fn rule(
     }
     let Some(scores) = Scores::before(model, node)? else { return Ok(None) };
     let Some((answer, first)) = answer(model, node)? else { return Ok(None) };
-    let Some(Parts { heads, sides, values }) = parts(model, &scores, answer, axis, first)? else { return Ok(None) };
+    let Some(Parts { mut heads, sides, values }) = parts(model, &scores, answer, axis, first)? else { return Ok(None) };
     let [queries, keys] = [0, 1].map(|slot| scores.product.inputs[slot]);
     let ((queries, a), (keys, b)) = (unscaled(model, queries)?, unscaled(model, keys)?);
     let Some(shape) = roles::shape(model, answer.id.into())? else { return Ok(None) };
-    let attention = Attention { heads, sides, scale: scores.scale * a * b };
+    heads.iter_mut().for_each(|head| head.scale *= scores.scale * a * b);
+    // A bias is divided by the factor.
+    if heads.iter().any(|head| head.scale == 0.0 || !head.scale.is_finite()) {
+        return Ok(None);
+    }
+    let attention = Attention { heads, sides };
     let op = AttentionOp { isa: *isa, attention, shape };
     let mut patch = TypedModelPatch::default();
-    let inputs = [queries, keys, values].into_iter().chain(scores.bias);
+    let inputs = [queries, keys, values].into_iter().chain(scores.biases);
     let inputs: TractResult<TVec<_>> = inputs.map(|input| patch.tap_model(model, input)).collect();
     let output = patch.wire_node(format!("{name}.attention"), op, &inputs?)?;
     patch.shunt_outside(model, answer.id.into(), output[0])?;
@@ -72,32 +79,33 @@ type FirstRow = Option<[usize; 2]>;
 struct Scores<'a> {
     product: &'a TypedNode,
     scale: f32,
-    bias: Option<OutletId>,
+    /// A factor for each head, as many axes as the scores.
+    head_scale: Option<Arc<Tensor>>,
+    biases: TVec<OutletId>,
 }
 
 impl<'a> Scores<'a> {
-    /// Goes from the softmax up to the product, over a bias and a factor.
+    /// Goes from the softmax up to the product, over biases and factors.
     fn before(model: &'a TypedModel, softmax: &TypedNode) -> TractResult<Option<Self>> {
-        let (mut scale, mut bias) = (1.0, None);
+        let (mut scale, mut head_scale, mut biases) = (1.0, None, tvec!());
         let mut node = model.node(softmax.inputs[0].node);
         loop {
             if model.single_succ(node.id)?.is_none() {
                 return Ok(None);
             }
             if node.op_is::<EinSum>() {
-                return Ok(Some(Self { product: node, scale, bias }));
+                return Ok(Some(Self { product: node, scale, head_scale, biases }));
             }
             let Some(op) = node.op_as::<TypedBinOp>() else { return Ok(None) };
-            let same =
-                |input: &OutletId| model.outlet_fact(*input).is_ok_and(|f| f.shape == node.outputs[0].fact.shape);
-            if op.0.is::<Mul>() {
-                let Some((from, factor)) = scaled(model, node)? else { return Ok(None) };
+            if let Some((from, factor)) = scaled(model, node)? {
                 scale *= factor;
                 node = model.node(from.node);
-            } else if op.0.is::<Add>() && bias.is_none() && scale == 1.0 {
-                let product = |input: &&OutletId| same(input) && leads_to_product(model, **input);
-                let Some(&from) = node.inputs.iter().find(product) else { return Ok(None) };
-                bias = node.inputs.iter().copied().find(|input| *input != from);
+            } else if let Some((from, factors)) = scaled_by_heads(model, node)?.filter(|_| head_scale.is_none()) {
+                head_scale = Some(factors);
+                node = model.node(from.node);
+            } else if op.0.is::<Add>() && biases.len() < MOST_BIASES && scale == 1.0 && head_scale.is_none() {
+                let Some(from) = product_below(model, node, MOST_BIASES + 2) else { return Ok(None) };
+                biases.extend(node.inputs.iter().copied().find(|input| *input != from));
                 node = model.node(from.node);
             } else {
                 return Ok(None);
@@ -106,11 +114,31 @@ impl<'a> Scores<'a> {
     }
 }
 
-/// Whether an outlet is a product, perhaps times a number.
-fn leads_to_product(model: &TypedModel, outlet: OutletId) -> bool {
-    let node = model.node(outlet.node);
-    let below = scaled(model, node).ok().flatten().map(|(from, _)| model.node(from.node));
-    node.op_is::<EinSum>() || below.is_some_and(|node| node.op_is::<EinSum>())
+/// The input of a sum or product that leads to a product of tensors, over at most so many sums and products.
+fn product_below(model: &TypedModel, node: &TypedNode, most: usize) -> Option<OutletId> {
+    let is_sum = |node: &TypedNode| node.op_as::<TypedBinOp>().is_some_and(|op| op.0.is::<Add>() || op.0.is::<Mul>());
+    let leads = |input: &&OutletId| {
+        let same = model.outlet_fact(**input).is_ok_and(|fact| fact.shape == node.outputs[0].fact.shape);
+        let below = model.node(input.node);
+        same && (below.op_is::<EinSum>()
+            || (is_sum(below) && most > 0 && product_below(model, below, most - 1).is_some()))
+    };
+    node.inputs.iter().find(leads).copied()
+}
+
+/// What a node multiplies by constants that differ along few axes, and these.
+fn scaled_by_heads(model: &TypedModel, node: &TypedNode) -> TractResult<Option<(OutletId, Arc<Tensor>)>> {
+    if !node.op_as::<TypedBinOp>().is_some_and(|op| op.0.is::<Mul>()) {
+        return Ok(None);
+    }
+    for (factor, other) in [(0, 1), (1, 0)] {
+        let konst = model.outlet_fact(node.inputs[factor])?.konst.clone();
+        let same = model.outlet_fact(node.inputs[other])?.shape == node.outputs[0].fact.shape;
+        if let Some(konst) = konst.filter(|konst| konst.datum_type() == f32::datum_type() && same) {
+            return Ok((konst.rank() == node.outputs[0].fact.rank()).then_some((node.inputs[other], konst)));
+        }
+    }
+    Ok(None)
 }
 
 /// What a node multiplies by a number, and the number.
@@ -135,7 +163,7 @@ fn unscaled(model: &TypedModel, outlet: OutletId) -> TractResult<(OutletId, f32)
 
 /// Where everything lies.
 struct Parts {
-    heads: Heads,
+    heads: Vec<Head>,
     sides: Sides,
     values: OutletId,
 }
@@ -165,19 +193,25 @@ fn parts(
         let Some(shape) = roles::shape(model, tensor)? else { return Ok(None) };
         strides.push(roles::strides(&shape));
     }
-    let bias = match scores.bias {
-        Some(bias) => {
-            let Some(shape) = roles::shape(model, bias)? else { return Ok(None) };
-            let plain = model.outlet_fact(bias)?.datum_type == f32::datum_type();
-            if !plain || shape.len() != scores.product.outputs[0].fact.rank() {
-                return Ok(None);
-            }
-            let steps = roles::strides(&shape);
-            Some(steps.iter().zip(&shape).map(|(step, len)| if *len == 1 { 0 } else { *step }).collect::<TVec<_>>())
+    let mut biases = Vec::new();
+    for bias in &scores.biases {
+        let Some(shape) = roles::shape(model, *bias)? else { return Ok(None) };
+        let plain = model.outlet_fact(*bias)?.datum_type == f32::datum_type();
+        if !plain || shape.len() != scores.product.outputs[0].fact.rank() {
+            return Ok(None);
         }
+        biases.push(steps(&shape));
+    }
+    let scale = match &scores.head_scale {
+        Some(factors) => Some((steps(factors.shape()), factors.try_as_plain_ram()?.as_slice::<f32>()?.to_vec())),
         None => None,
     };
-    Ok(Layout { first, second, strides, bias, axis, first_row }.parts(values))
+    Ok(Layout { first, second, strides, biases, scale, axis, first_row }.parts(values))
+}
+
+/// Values between neighbours along each axis; 0 where there is only one.
+fn steps(shape: &[usize]) -> TVec<usize> {
+    roles::strides(shape).iter().zip(shape).map(|(step, len)| if *len == 1 { 0 } else { *step }).collect()
 }
 
 struct Layout {
@@ -185,8 +219,10 @@ struct Layout {
     second: Vec<RoleAxis>,
     /// Of queries, keys, values, answer.
     strides: Vec<TVec<usize>>,
-    /// Of the bias, 0 where it is the same all along.
-    bias: Option<TVec<usize>>,
+    /// Of each bias, 0 where it is the same all along.
+    biases: Vec<TVec<usize>>,
+    /// The same of the factors of the heads, and these.
+    scale: Option<(TVec<usize>, Vec<f32>)>,
     /// The axis of the scores that the softmax is taken over.
     axis: usize,
     first_row: FirstRow,
@@ -214,7 +250,14 @@ impl Layout {
             return None;
         }
         let step = |tensor: usize, at: Option<usize>| at.map(|at| self.strides[tensor][at]);
-        let bias = |axis: RoleAxis| self.bias.as_ref().zip(axis.at[2]).map_or(0, |(steps, at)| steps[at]);
+        let bias = |axis: RoleAxis| {
+            let step = |i: usize| self.biases.get(i).zip(axis.at[2]).map_or(0, |(steps, at)| steps[at]);
+            std::array::from_fn::<usize, MOST_BIASES, _>(step)
+        };
+        let scale = |axis: RoleAxis| self.scale.as_ref().zip(axis.at[2]).map_or(0, |((steps, _), at)| steps[at]);
+        if scale(queries) > 0 || scale(keys) > 0 {
+            return None;
+        }
         let skipped = match self.first_row {
             Some([axis, first]) if queries.at[2] == Some(axis) => first,
             Some(_) => return None,
@@ -229,23 +272,32 @@ impl Layout {
             key_steps: [step(1, keys.at[1])?, step(1, depth.at[1])?],
             value_steps: [step(2, sum.at[1])?, step(2, columns.at[1])?],
             out_steps: [step(3, rows.at[2])?, step(3, columns.at[2])?],
-            bias_steps: [bias(queries), bias(keys)],
+            bias_steps: std::array::from_fn(|i| [bias(queries)[i], bias(keys)[i]]),
         };
-        let mut heads = vec![[skipped * sides.query_steps[0], 0, 0, 0, skipped * sides.bias_steps[0]]];
+        let first = Head {
+            starts: [skipped * sides.query_steps[0], 0, 0, 0],
+            biases: sides.bias_steps.map(|steps| skipped * steps[0]),
+            scale: 1.0,
+        };
+        // Each head, and where its factor lies.
+        let mut heads = vec![(first, 0)];
         for axis in roles::of(&self.first, Role::Batch, 2) {
             let second = in_second(axis.at[2]).filter(|axis| axis.role == Role::Batch)?;
-            let steps = [
-                step(0, axis.at[0])?,
-                step(1, axis.at[1])?,
-                step(2, second.at[1])?,
-                step(3, second.at[2])?,
-                bias(axis),
-            ];
-            let along = |head: [usize; 5]| (0..axis.len).map(move |i| std::array::from_fn(|n| head[n] + i * steps[n]));
+            let steps = [step(0, axis.at[0])?, step(1, axis.at[1])?, step(2, second.at[1])?, step(3, second.at[2])?];
+            let (bias, scale) = (bias(axis), scale(axis));
+            let along = |(head, factor): (Head, usize)| {
+                (0..axis.len).map(move |i| {
+                    let starts = std::array::from_fn(|n| head.starts[n] + i * steps[n]);
+                    let biases = std::array::from_fn(|n| head.biases[n] + i * bias[n]);
+                    (Head { starts, biases, ..head }, factor + i * scale)
+                })
+            };
             heads = heads.into_iter().flat_map(along).collect();
         }
+        let factor = |at: usize| self.scale.as_ref().map_or(1.0, |(_, factors)| factors[at]);
+        let heads = heads.into_iter().map(|(head, at)| Head { scale: factor(at), ..head }).collect();
         let contiguous = sides.query_steps[1] == 1 && sides.out_steps[1] == 1;
-        contiguous.then_some(Parts { heads: Heads(heads), sides, values })
+        contiguous.then_some(Parts { heads, sides, values })
     }
 }
 
@@ -255,7 +307,7 @@ impl Op for AttentionOp {
     }
 
     fn info(&self) -> TractResult<Vec<String>> {
-        Ok(vec![format!("{} heads {:?}", self.attention.heads.0.len(), self.attention.sides)])
+        Ok(vec![format!("{} heads {:?}", self.attention.heads.len(), self.attention.sides)])
     }
 
     op_as_typed_op!();
@@ -272,8 +324,7 @@ impl EvalOp for AttentionOp {
         let cancel = op::cancel();
         let flag = cancel.as_ref().map(Cancel::flag);
         let [queries, keys, values] = [slices[0], slices[1], slices[2]];
-        let bias = slices.get(3).copied();
-        self.attention.run(self.isa, [queries, keys, values], bias, op::room(&mut output)?, flag)?;
+        self.attention.run(self.isa, [queries, keys, values], &slices[3..], op::room(&mut output)?, flag)?;
         Ok(tvec!(output.into_tvalue()))
     }
 }

@@ -10,7 +10,7 @@ use crate::kernel::winograd::{Layer, PlaneChain, VolumeChain};
 use crate::kernel::{Ending, Kernel, Limits};
 
 /// Pixels from which on the transforms pay in a plane; below, weights would be most of the work.
-const LEAST_PIXELS: usize = 512;
+const LEAST_PIXELS: usize = 144;
 
 /// Convolutions that follow each other. Inputs: the picture, and what is added at the end.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,9 +64,6 @@ fn rule(
         }
         layers.push(op);
         last = next;
-    }
-    if layers.len() < 2 && first.kernel == Kernel::Plane && !PlaneChain::pays_alone(first.isa, first.channels) {
-        return Ok(None);
     }
     let mut patch = TypedModelPatch::default();
     let inputs = std::iter::once(node.inputs[0]).chain(last.inputs.get(1).copied());

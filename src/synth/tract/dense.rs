@@ -22,10 +22,10 @@ pub(super) fn rewrite(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
 pub(super) struct Product {
     isa: Isa,
     pub(super) weights: Weights,
-    bias: Arc<[f32]>,
-    activation: Activation,
-    limits: Limits,
-    shape: TVec<usize>,
+    pub(super) bias: Arc<[f32]>,
+    pub(super) activation: Activation,
+    pub(super) limits: Limits,
+    pub(super) shape: TVec<usize>,
 }
 
 impl Eq for Product {}

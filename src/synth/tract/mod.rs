@@ -15,6 +15,7 @@ mod ends;
 mod error;
 mod fold;
 mod graph;
+mod inverted;
 mod layer_norm;
 mod op;
 mod options;
@@ -134,6 +135,7 @@ fn foreign(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
     layer_norm::rewrite(model, isa)?;
     dense::rewrite(model, isa)?;
     patch_conv::rewrite(model, isa)?;
+    inverted::rewrite(model)?;
     resize::rewrite(model, isa)
 }
 

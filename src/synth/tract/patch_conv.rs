@@ -1,12 +1,14 @@
 //! Puts the kernel's products in place of the convolutions that the direct one does not do: other kernels and strides, and
 //! each channel by itself.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use tract_onnx::tract_core::internal::*;
 use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, PaddingSpec};
 use tract_onnx::tract_core::ops::nn::DataFormat;
 
+use super::inverted::Part;
 use super::op::DirectConv;
 use super::tail::Tail;
 use super::{op, roles};
@@ -37,7 +39,7 @@ fn narrow(
 ) -> TractResult<Option<TypedModelPatch>> {
     let Some(shape) = roles::shape(model, node.id.into())? else { return Ok(None) };
     let &[1, _, height, width] = &shape[..] else { return Ok(None) };
-    let plain = conv.kernel == Kernel::Plane && conv.padding == Padding::Zero && !conv.before.are_some();
+    let plain = conv.kernel == Kernel::Plane && conv.padding == Padding::Zero;
     if !plain || width > NARROW || conv.channels.iter().any(|channels| *channels < MANY) {
         return Ok(None);
     }
@@ -46,7 +48,8 @@ fn narrow(
     let patches = Patches { channels, size, kernel: [3; 2], stride: [1; 2], dilation, before: dilation, output: size };
     let (isa, bias, activation, limits) = (conv.isa, Arc::clone(&conv.bias), conv.activation, conv.limits);
     let weights = conv.weights.plain().into();
-    let op = PatchConv { isa, patches, weights, bias, activation, limits, shape, depthwise: false };
+    let (before, depthwise) = (conv.before, false);
+    let op = PatchConv { isa, patches, before, weights, bias, activation, limits, shape, depthwise };
     TypedModelPatch::replace_single_op(model, node, &node.inputs, op)
         .map(|patch| Some(patch.with_context(format!("{name} narrow"))))
 }
@@ -56,6 +59,8 @@ fn narrow(
 pub(super) struct PatchConv {
     isa: Isa,
     patches: Patches,
+    /// Of what comes in.
+    before: Limits,
     pub(super) weights: Arc<[f32]>,
     bias: Arc<[f32]>,
     activation: Activation,
@@ -103,7 +108,8 @@ fn rule(
     let bias = (0..channels).map(|c| bias[c % bias.len()] * tail.scale[c] + tail.bias[c]).collect();
     let weights = weights.iter().enumerate().map(scaled).collect();
     let (isa, activation, limits) = (*isa, tail.activation, tail.limits);
-    let op = PatchConv { isa, patches, weights, bias, activation, limits, shape, depthwise };
+    let before = Limits::NONE;
+    let op = PatchConv { isa, patches, before, weights, bias, activation, limits, shape, depthwise };
     let mut patch = TypedModelPatch::default();
     let inputs: TractResult<TVec<_>> =
         std::iter::once(node.inputs[0]).chain(tail.summand).map(|input| patch.tap_model(model, input)).collect();
@@ -145,20 +151,34 @@ fn patches(conv: &Conv, before: &[usize], after: &[usize]) -> Option<Patches> {
 }
 
 impl PatchConv {
+    pub(super) fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// What it is where each channel is by itself.
+    pub(super) fn each_channel(&self) -> Option<(Patches, Part)> {
+        let part = || Part::new(&self.weights, &self.bias, self.activation);
+        self.depthwise.then(|| (self.patches, part()))
+    }
+
     fn run(&self, x: &Tensor, summand: Option<&Tensor>) -> TractResult<Tensor> {
         let mut output = op::uninitialized(&self.shape)?;
         let cancel = op::cancel();
         let flag = cancel.as_ref().map(Cancel::flag);
         let summand = summand.map(|summand| summand.try_as_plain_ram()?.as_slice::<f32>()).transpose()?;
-        let x = x.try_as_plain_ram()?.as_slice::<f32>()?;
+        let mut x = Cow::Borrowed(x.try_as_plain_ram()?.as_slice::<f32>()?);
         let room = op::room(&mut output)?;
-        let &Self { isa, ref patches, ref weights, ref bias, activation, limits, .. } = self;
+        let &Self { isa, ref patches, before, ref weights, ref bias, activation, limits, .. } = self;
+        if before.are_some() {
+            // A few values beside the patches that are made of them.
+            x.to_mut().iter_mut().for_each(|value| *value = before.of(*value));
+        }
         if self.depthwise {
             let planes = DepthWise { isa, patches, weights, bias, activation };
-            planes.run(x, room, flag)?;
+            planes.run(&x, room, flag)?;
         } else {
             let project = Project { isa, weights, bias, activation, limits };
-            project.run(Columns::Patches(x, patches), summand, room, flag)?;
+            project.run(Columns::Patches(&x, patches), summand, room, flag)?;
         }
         Ok(output)
     }

@@ -15,7 +15,7 @@ use crate::kernel::peak::cpu_seconds;
 /// What all nodes of one operation took together.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OpSeconds {
-    /// The operation, and the shape of its result.
+    /// The operation, and the shapes of its result and of its first input.
     pub name: String,
     /// How many nodes.
     pub count: usize,
@@ -38,7 +38,9 @@ impl Runnable {
                 let (started, cpu) = (Instant::now(), cpu_seconds());
                 let answer = plan::eval(context, state, node, inputs);
                 let shape = node.outputs.first().map(|output| format!("{:?}", output.fact.shape)).unwrap_or_default();
-                let entry = spent.entry(format!("{} {shape}", node.op().name())).or_default();
+                let of = node.inputs.first().and_then(|input| self.plan.model().outlet_fact(*input).ok());
+                let of = of.map(|fact| format!(" of {:?}", fact.shape)).unwrap_or_default();
+                let entry = spent.entry(format!("{} {shape}{of}", node.op().name())).or_default();
                 *entry = (entry.0 + 1, entry.1 + started.elapsed().as_secs_f64(), entry.2 + cpu_seconds() - cpu);
                 answer
             };

@@ -6,6 +6,7 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::EngineError;
+use crate::kernel::team::Team;
 
 static POOLS: LazyLock<Mutex<BTreeMap<usize, Arc<Pool>>>> = LazyLock::new(Mutex::default);
 
@@ -15,6 +16,8 @@ static POOLS: LazyLock<Mutex<BTreeMap<usize, Arc<Pool>>>> = LazyLock::new(Mutex:
 /// meantime, it would find its scratch memory in use. And two light fields at once would be no faster.
 pub(crate) struct Pool {
     threads: ThreadPool,
+    /// What the kernel does is done by these; they stay awake from layer to layer.
+    team: Team,
     turn: Mutex<()>,
 }
 
@@ -26,7 +29,7 @@ impl Pool {
             return job();
         }
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-        self.threads.install(job)
+        self.threads.install(|| self.team.lead(job))
     }
 
     /// How many they are.
@@ -46,7 +49,8 @@ pub(crate) fn pool(threads: usize) -> Result<Arc<Pool>, EngineError> {
         .thread_name(|i| format!("net-{i}"))
         .build()
         .map_err(|source| EngineError::Threads { source })?;
-    let pool = Arc::new(Pool { threads: made, turn: Mutex::default() });
+    let team = Team::new(made.current_num_threads());
+    let pool = Arc::new(Pool { threads: made, team, turn: Mutex::default() });
     pools.insert(threads, Arc::clone(&pool));
     Ok(pool)
 }

@@ -6,6 +6,7 @@ use tract_onnx::prelude::TypedModel;
 
 use super::chain::{Chain, Convolutions};
 use super::dense::{Product, Weights};
+use super::inverted::InvertedOp;
 use super::op::DirectConv;
 use super::patch_conv::PatchConv;
 use crate::kernel::Packed;
@@ -36,6 +37,9 @@ impl SharedWeights {
                 }
             } else if let Some(op) = node.op_as_mut::<PatchConv>() {
                 kinds.rows.share(&mut op.weights);
+            } else if let Some(op) = node.op_as_mut::<InvertedOp>() {
+                let parts = [op.widen.as_mut(), Some(&mut op.depthwise), Some(&mut op.narrow)];
+                parts.into_iter().flatten().for_each(|part| kinds.rows.share(&mut part.weights));
             } else if let Some(op) = node.op_as_mut::<DirectConv>() {
                 kinds.packed.share(&mut op.weights);
             } else if let Some(op) = node.op_as_mut::<Chain>() {

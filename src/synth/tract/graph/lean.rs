@@ -38,6 +38,9 @@ pub(super) fn decode(path: &Path) -> Result<ModelProto, EngineError> {
     ModelProto::decode(&bytes[..]).map_err(|error| damaged(error.to_string()))
 }
 
+/// The field of a tensor that says whether its values lie in another file.
+const DATA_LOCATION: u64 = 14;
+
 /// A message that weights may lie in.
 #[derive(Clone, Copy, PartialEq)]
 enum Level {
@@ -81,7 +84,10 @@ impl Lean {
             match (key & 7, level.inside(key >> 3)) {
                 (0, _) => {
                     let value = self.varint()?;
-                    put(to, key, value);
+                    // "Here", said behind weights that were left in the file, would take back where they are.
+                    if level != Level::Tensor || key >> 3 != DATA_LOCATION || value != DataLocation::Default as u64 {
+                        put(to, key, value);
+                    }
                 }
                 (1, _) => {
                     varint(to, key);

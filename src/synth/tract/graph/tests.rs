@@ -16,6 +16,7 @@ use crate::job::Cancel;
 use crate::synth::tract::{EngineError, Options, prepare_file};
 
 /// A graph in the making.
+#[derive(Clone)]
 pub(crate) struct Graph(ModelProto);
 
 impl Graph {
@@ -160,7 +161,10 @@ fn a_file_on_the_disk_answers_as_one_in_memory() {
     let values = (0..90_000).map(|i| (i % 97) as f32 / 7.0);
     let whole = wide(DataType::Float, values.clone().flat_map(f32::to_le_bytes).collect());
     let half = wide(DataType::Float16, values.flat_map(|v| f16::from_f32(v).to_le_bytes()).collect());
-    for graph in [whole, half, sum()] {
+    // Some exporters say "here" of each tensor, behind its values.
+    let mut here = whole.clone();
+    here.graph().initializer[0].data_location = Some(DataLocation::Default as i32);
+    for graph in [whole, here, half, sum()] {
         let bytes = graph.bytes();
         std::fs::write(&path, &bytes).unwrap();
         let on_disk = OnnxFile { folder: None, ..OnnxFile::on_disk(&path) };
