@@ -5,6 +5,8 @@
 //! on the lens see. The renderer gets the photo, and the scene's depth made as imperfect as nets make it: coarse,
 //! without its thin parts, beside its place by two pixels of the map, and wrong in specks over 5 % of it.
 
+#[path = "../tests/common/chance.rs"]
+mod chance;
 #[path = "crops/scenes.rs"]
 mod scenes;
 #[path = "crops/sprite.rs"]
@@ -20,8 +22,8 @@ use plenoscope::render::lens::{Region, Rgbd};
 use plenoscope::synth::upsample;
 use rayon::prelude::*;
 
+use chance::hash;
 use scenes::Scene;
-use sprite::hash;
 
 /// The photo, and what of it each scene takes: four beside each other, three of them below each other.
 const PHOTO: [u32; 2] = [4000, 3000];

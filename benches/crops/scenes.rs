@@ -1,6 +1,7 @@
 //! Twelve scenes with the edges that a lens of software finds hard.
 
-use super::sprite::{Sprite, hash, noise};
+use super::chance::hash;
+use super::sprite::{Sprite, noise};
 
 /// A scene: surfaces from near to far, the last one everywhere, and the disparity that is sharp.
 pub struct Scene {

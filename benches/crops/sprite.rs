@@ -1,5 +1,6 @@
 //! What the crops' scenes are painted on: surfaces with places that are covered and places that are not.
 
+use super::chance::hash;
 use plenoscope::field::color::linear_from_srgb;
 
 /// Photo pixels from the middle of a sprite to its border.
@@ -7,16 +8,6 @@ pub const HALF: f32 = 350.0;
 /// Sprite pixels for each pixel of the photo.
 const FINE: f32 = 2.0;
 const SIDE: usize = (2.0 * HALF * FINE) as usize;
-
-/// Evenly spread number 0 … 1 that belongs to a place.
-pub fn hash(x: i32, y: i32, seed: u32) -> f32 {
-    let mut h =
-        (x as u32).wrapping_mul(0x9E37_79B1) ^ (y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE35);
-    h ^= h >> 15;
-    h = h.wrapping_mul(0x2C1B_3C6D);
-    h ^= h >> 12;
-    (h.wrapping_mul(0x297A_2D39) >> 8) as f32 / (1 << 24) as f32
-}
 
 /// Smooth noise −1 … 1 whose hills are `wave` pixels apart.
 pub fn noise([x, y]: [f32; 2], wave: f32, seed: u32) -> f32 {

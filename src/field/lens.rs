@@ -150,6 +150,14 @@ impl Lens {
         let away = disparity_px - self.focus.at(x, y) - self.curve_px * corner;
         away - away.clamp(self.keep_sharp_px[0].min(0.0), self.keep_sharp_px[1].max(0.0))
     }
+
+    /// The greatest distance from what is sharp that anything between two disparities has anywhere in the picture.
+    pub fn widest_defocus_px(&self, ends_px: [f32; 2]) -> f32 {
+        // The farthest from what is sharp lies in a corner, or in the middle of a curved surface.
+        let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
+        let defocus = ends_px.into_iter().flat_map(|d| places.map(|[x, y]| self.defocus_px(d, x, y).abs()));
+        defocus.fold(0.0, f32::max)
+    }
 }
 
 /// Where the eye is: steps from the reference view, fractions between views.

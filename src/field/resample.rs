@@ -151,12 +151,16 @@ pub fn resample<const C: usize>(values: &[f32], source: Size, target: Size, filt
     out
 }
 
+/// The source pixel whose centre is nearest to that of the `i`-th of `target` along a side.
+pub fn nearest_index(i: usize, source: usize, target: usize) -> usize {
+    (2 * i + 1) * source / (2 * target)
+}
+
 /// The value of the source pixel whose centre is nearest: for maps that must not invent values.
 pub fn nearest<T: Copy>(values: &[T], source: Size, target: Size) -> Vec<T> {
     let (source, target) = (sides(source), sides(target));
-    let index = |i: usize, axis: usize| (2 * i + 1) * source[axis] / (2 * target[axis]);
-    let columns: Vec<usize> = (0..target[0]).map(|x| index(x, 0)).collect();
-    let row = |y: usize| &values[index(y, 1) * source[0]..];
+    let columns: Vec<usize> = (0..target[0]).map(|x| nearest_index(x, source[0], target[0])).collect();
+    let row = |y: usize| &values[nearest_index(y, source[1], target[1]) * source[0]..];
     (0..target[1]).map(row).flat_map(|row| columns.iter().map(move |x| row[*x])).collect()
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A photo is refocused in its own primaries (Display P3 stays Display P3): only the curve is undone for the sum.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use super::color::linear_from_srgb;
 
@@ -56,7 +56,16 @@ impl Transfer {
 
     /// The curves of an ICC profile; sRGB's where there is none, or none that can be read.
     pub fn of_profile(icc: Option<&[u8]>) -> Self {
-        icc.and_then(Self::from_icc).unwrap_or_else(Self::srgb)
+        // Its tables take some milliseconds, and one photo's are asked for again and again.
+        static LAST: Mutex<Option<(Box<[u8]>, Transfer)>> = Mutex::new(None);
+        let Some(icc) = icc else { return Self::srgb() };
+        let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, known)) = last().as_ref().filter(|(profile, _)| **profile == *icc) {
+            return known.clone();
+        }
+        let made = Self::from_icc(icc).unwrap_or_else(Self::srgb);
+        *last() = Some((icc.into(), made.clone()));
+        made
     }
 
     fn from_icc(icc: &[u8]) -> Option<Self> {

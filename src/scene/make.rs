@@ -204,7 +204,7 @@ impl Maker {
 
     /// What a photo's depth is made from. A net that was not asked for by name and cannot be used is told of, and the
     /// next best takes its place.
-    fn source_of(&self, one: &OnePhoto, how: &Making, job: &Job) -> DepthFrom {
+    pub(super) fn source_of(&self, one: &OnePhoto, how: &Making, job: &Job) -> DepthFrom {
         let best = || how.best_source(one);
         let source = match &how.source {
             DepthFrom::Auto => best(),

@@ -16,6 +16,7 @@
 
 pub mod asked;
 pub mod batch;
+pub mod disagree;
 pub mod dots;
 mod edit;
 mod embed;

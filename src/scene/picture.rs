@@ -18,6 +18,9 @@ use crate::repair::Repairs;
 use crate::synth::range::Metric;
 use crate::synth::{ModelTag, Synthesis};
 
+/// Copies of a thing that are so many pixels apart are seen as one that is blurred.
+const COPIES_PX: f32 = 1.0;
+
 /// How large the picture becomes; never larger than the photo.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -306,6 +309,16 @@ impl Scene {
         let is_turned = edit.pivot != 0.0 && edit.viewpoint != ViewPoint::default() && !is_asked_for;
         let is_own_size = self.subject.photo().is_none() && self.picture_size(size) == views.field.size();
         (is_asked_for || is_own_size) && !is_turned && views.field.grid().spans(edit.f_number) && edit.glass.is_plain()
+    }
+
+    /// Whether every `nth` view of each row, added up, shows an edit as the lens does, only coarser: the views reach across the
+    /// lens, and from one to the next nothing moves by more than a pixel. Else copies are seen beside each other.
+    pub fn views_draft(&self, edit: &Edit, nth: u32) -> bool {
+        let Some(views) = &self.views else { return false };
+        let width = views.field.size()[0];
+        let ends_px = self.ends().map(|share| share * self.strength.0 * width as f32);
+        let step_px = self.lens_at(edit, width).widest_defocus_px(ends_px) * nth as f32;
+        views.field.grid().spans(edit.f_number) && step_px <= COPIES_PX
     }
 
     /// What must be made of a subject for a picture of this size.

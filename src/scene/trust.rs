@@ -3,6 +3,7 @@
 //! A ray of a photo's light field was invented where it ends behind what the photo sees, or beside it: the far side or the
 //! occlusion net filled it (paper, §3.3). And a ray is doubtful where the views disagree about its depth: the residual of
 //! the paper's consistency term, `ψ_c = |D(x, u) − D(x + D(x, u), u − 1)|` (§3.1). A camera's own views invent nothing.
+//! And an edge is doubtful about which two sources of depth disagree (`disagree`).
 
 use rayon::prelude::*;
 
@@ -35,6 +36,8 @@ pub struct Trust<'a> {
     is_made: bool,
     /// Where each ray comes from, where that is known.
     provenance: Option<&'a Provenance>,
+    /// Where sources of depth disagree about an edge of the reference view.
+    torn: Option<&'a Raster<f32>>,
 }
 
 /// For each view, the share of it that was invented, in `[v, u]` order.
@@ -89,14 +92,33 @@ impl Scene {
     pub fn trust(&self) -> Result<Trust<'_>, SceneError> {
         let MadeViews { depths, provenance, .. } = self.made_views()?;
         let is_made = self.subject().photo().is_some() && self.subject().splats().is_none();
-        Ok(Trust { depths, is_made, provenance: provenance.as_deref() })
+        Ok(Trust { depths, is_made, provenance: provenance.as_deref(), torn: None })
     }
 }
 
-impl Trust<'_> {
+impl<'a> Trust<'a> {
+    /// The same with edges of the reference view about which sources of depth disagree ([`Maker::disagreement`]), at
+    /// the views' size. They are doubtful, and not invented.
+    ///
+    /// [`Maker::disagreement`]: super::Maker::disagreement
+    #[must_use]
+    pub fn with_torn_edges(self, torn: Option<&'a Raster<f32>>) -> Self {
+        Self { torn: torn.filter(|torn| torn.size() == self.depths.size()), ..self }
+    }
+
     /// How doubtful each ray of a view is: 0 seen, 1 invented.
     pub fn of_view(&self, view: ViewIndex) -> Raster<f32> {
-        Raster::par_from_fn(self.depths.size(), |x, y| self.doubt(view, x as u32, y as u32))
+        Raster::par_from_fn(self.depths.size(), |x, y| {
+            let (x, y) = (x as u32, y as u32);
+            self.doubt(view, x, y).max(self.torn_at(view, x, y))
+        })
+    }
+
+    /// Whether a ray ends at an edge that sources of depth disagree about.
+    fn torn_at(&self, view: ViewIndex, x: u32, y: u32) -> f32 {
+        let Some(torn) = self.torn else { return 0.0 };
+        let [x, y] = self.end(view, [x, y], self.depths.at(view, x, y));
+        torn.at(clamped(x, torn.size()[0]) as usize, clamped(y, torn.size()[1]) as usize)
     }
 
     /// How doubtful each pixel of a picture of the views' size is: the mean over the rays that the lens gathers. `lens` is
@@ -148,11 +170,16 @@ impl Trust<'_> {
         if self.is_made && self.is_unseen(view, [x, y], d) { 1.0 } else { self.residual(view, [x, y], d) }
     }
 
+    /// Where a ray ends in the reference view.
+    fn end(&self, view: ViewIndex, [x, y]: [u32; 2], d: f32) -> [f32; 2] {
+        let step = self.depths.grid().offset(view);
+        [x as f32 + step.du * d, y as f32 + step.dv * d]
+    }
+
     /// Whether a ray ends where the reference view does not see it.
     fn is_unseen(&self, view: ViewIndex, [x, y]: [u32; 2], d: f32) -> bool {
         let (grid, size) = (self.depths.grid(), self.depths.size());
-        let step = grid.offset(view);
-        let end = [x as f32 + step.du * d, y as f32 + step.dv * d];
+        let end = self.end(view, [x, y], d);
         let is_beside = |axis: usize| end[axis] < -BESIDE_PX || end[axis] > size[axis] as f32 - 1.0 + BESIDE_PX;
         is_beside(0) || is_beside(1) || self.nearest(grid.reference(), end) > d + HIDDEN_PX
     }
@@ -170,9 +197,14 @@ impl Trust<'_> {
 
     fn nearest(&self, view: ViewIndex, place: [f32; 2]) -> f32 {
         let size = self.depths.size();
-        let [x, y] = [0, 1].map(|axis| place[axis].round().clamp(0.0, (size[axis] - 1) as f32) as u32);
+        let [x, y] = [0, 1].map(|axis| clamped(place[axis], size[axis]));
         self.depths.at(view, x, y)
     }
+}
+
+/// The pixel of a place along a side.
+fn clamped(at: f32, side: u32) -> u32 {
+    at.round().clamp(0.0, (side - 1) as f32) as u32
 }
 
 /// The widest lens whose rays are invented by no more than the limit on average. Beyond the views what is hidden grows
@@ -213,7 +245,7 @@ mod tests {
     #[test]
     fn what_comes_out_from_behind_a_post_is_invented_and_nothing_else() {
         let depths = post(40, 1.5);
-        let trust = Trust { depths: &depths, is_made: true, provenance: None };
+        let trust = Trust { depths: &depths, is_made: true, provenance: None, torn: None };
         let view = ViewIndex { v: 4, u: 1 };
         let doubt = trust.of_view(view);
         // Three steps to the left the post is 3 · 2 px to the right of the plane behind it.
@@ -227,11 +259,11 @@ mod tests {
     fn the_deeper_the_scene_the_sooner_the_limit_and_a_flat_one_has_none() {
         let flat = post(40, -0.5);
         let [flat, low, high] = [&flat, &post(40, 0.3), &post(40, 1.5)]
-            .map(|depths| Trust { depths, is_made: true, provenance: None }.invented().limits(USUAL_LIMIT));
+            .map(|depths| Trust { depths, is_made: true, provenance: None, torn: None }.invented().limits(USUAL_LIMIT));
         assert!(high.widest.0 > low.widest.0 && high.reach <= low.reach, "{high:?}\n{low:?}");
         assert!(low.reach <= flat.reach && flat.widest.0 <= low.widest.0);
         let deep = post(40, 1.5);
-        let invented = Trust { depths: &deep, is_made: true, provenance: None }.invented();
+        let invented = Trust { depths: &deep, is_made: true, provenance: None, torn: None }.invented();
         let more = invented.limits(0.1);
         assert!(more.widest.0 < high.widest.0, "who allows more may open wider");
         assert_eq!(invented.of(ViewGrid::PAPER.reference()), 0.0);
@@ -240,15 +272,15 @@ mod tests {
     #[test]
     fn recorded_views_are_doubted_only_where_they_disagree() {
         let depths = post(40, 1.5);
-        let recorded = Trust { depths: &depths, is_made: false, provenance: None };
-        let made = Trust { depths: &depths, is_made: true, provenance: None };
+        let recorded = Trust { depths: &depths, is_made: false, provenance: None, torn: None };
+        let made = Trust { depths: &depths, is_made: true, provenance: None, torn: None };
         let view = ViewIndex { v: 4, u: 1 };
         assert!(recorded.share(view) < made.share(view));
         let wrong: Vec<f32> =
             depths.disparity_px().iter().enumerate().map(|(i, d)| if i / 6400 == 33 { d + 1.0 } else { *d }).collect();
         let wrong = RayDepths::new(ViewGrid::PAPER, depths.size(), wrong).unwrap();
         assert!(
-            Trust { depths: &wrong, is_made: false, provenance: None }.share(view) > 0.9,
+            Trust { depths: &wrong, is_made: false, provenance: None, torn: None }.share(view) > 0.9,
             "one view says otherwise"
         );
     }
@@ -256,7 +288,7 @@ mod tests {
     #[test]
     fn a_closed_lens_shows_one_view_and_an_open_one_the_mean_of_many() {
         let depths = post(40, 1.5);
-        let trust = Trust { depths: &depths, is_made: true, provenance: None };
+        let trust = Trust { depths: &depths, is_made: true, provenance: None, torn: None };
         let sum = |f: f32| {
             let lens = Lens { f_number: FNumber(f), ..Lens::default() };
             trust.of_picture(&lens, ViewPoint::default()).pixels().iter().sum::<f32>()

@@ -187,7 +187,7 @@ impl App {
             }
         }
         if settings.trust
-            && let Some(request) = tint.ask(&seen, rest.generation())
+            && let Some(request) = tint.ask(&seen, rest.generation(), asked)
         {
             workers.truster.replace(request);
         }

@@ -11,7 +11,7 @@ use crate::scene::Edit;
 pub struct RestKey {
     /// What is done to the picture.
     pub edit: Edit,
-    /// Whether views can draft it; a lens that is wider than the light field they cannot.
+    /// Whether views can draft it ([`Scene::views_draft`](crate::scene::Scene::views_draft)).
     pub has_draft: bool,
     /// Size of the whole picture, in pixels.
     pub size: [u32; 2],

@@ -1,7 +1,8 @@
 //! What is drawn over the draft: the lens renderer's picture once the hand rests, and the edges that are in focus.
 //!
-//! A lens wider than the light field has no draft of views: there the lens renderer follows the hand itself, at the size
-//! of a view, one picture after the other as fast as they come.
+//! A lens wider than the light field has no draft of views, nor has a scene so deep that copies would be seen beside each
+//! other: there the lens renderer follows the hand itself, at the size of a view, one picture after the other as fast as
+//! they come.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -46,12 +47,19 @@ pub struct AtRest {
     asked_for: Option<RestKey>,
     peaks: Option<(PeaksKey, TextureHandle)>,
     peaks_asked_for: Option<PeaksKey>,
+    /// Of how many views in a row one is drawn while something moves.
+    nth: u32,
 }
 
 impl AtRest {
+    /// For drafts that are made of every `nth` view of a row.
+    pub fn of_every(nth: u32) -> Self {
+        Self { nth, ..Self::default() }
+    }
+
     /// Another file is open.
     pub fn forget(&mut self) {
-        *self = Self { generation: self.generation, generations: self.generations, ..Self::default() };
+        *self = Self { generation: self.generation, generations: self.generations, ..Self::of_every(self.nth) };
     }
 
     /// Another light field is there; returns its number.
@@ -140,7 +148,7 @@ impl AtRest {
     /// What the picture at rest has to show; `None` where the draft, or the photo itself, is all there is.
     pub fn key(&self, seen: &Seen, pixels_per_point: f32) -> Option<RestKey> {
         let Seen { open, edit, look } = seen;
-        let (scene, grid) = (open.scene()?, open.grid()?);
+        let scene = open.scene()?;
         let on_screen = look.pose.screen_rect(look.canvas, open.picture_size()?) * pixels_per_point;
         let canvas = look.canvas * pixels_per_point;
         // A recorded light field is drawn of its views, which are still those of another strength.
@@ -150,7 +158,7 @@ impl AtRest {
         let is_draft_true = edit.shows_photo_itself() || scene.sums_views(edit, OutputSize::Photo);
         let key = RestKey::new(edit, self.generation, scene.subject().size(), on_screen, canvas);
         let is_wanted = look.face == Face::Picture && !is_draft_true;
-        is_wanted.then_some(RestKey { has_draft: grid.spans(edit.f_number), ..key })
+        is_wanted.then_some(RestKey { has_draft: scene.views_draft(edit, self.nth), ..key })
     }
 
     /// The marks of what is in focus that are to be made now, when the lens or the view has changed.

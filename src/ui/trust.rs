@@ -1,4 +1,6 @@
-//! What was invented of the picture that is shown: tinted over it once the hand rests.
+//! What was invented of the picture that is shown, and where sources of depth disagree: tinted over it once the hand rests.
+
+use std::sync::Arc;
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
@@ -6,10 +8,11 @@ use super::event::Event;
 use super::look::Face;
 use super::rest::Seen;
 use super::theme;
-use super::worker::{JobId, Outbox};
-use crate::field::{Lens, ViewPoint};
-use crate::job::Cancel;
-use crate::scene::Scene;
+use super::worker::{JobId, Outbox, Work};
+use crate::field::{Lens, Raster, ViewPoint};
+use crate::job::{Cancel, Job};
+use crate::scene::trust::Trust;
+use crate::scene::{Maker, Making, Scene};
 
 /// How clearly what was invented is covered.
 const ALPHA: f32 = 0.85;
@@ -26,6 +29,7 @@ pub struct TrustKey {
 pub struct Request {
     key: TrustKey,
     scene: Scene,
+    making: Making,
 }
 
 /// The tint that is there, and the one that was asked for.
@@ -47,14 +51,14 @@ impl Tint {
     }
 
     /// The tint that is to be made now: once the hand rests.
-    pub fn ask(&mut self, seen: &Seen, generation: u64) -> Option<Request> {
+    pub fn ask(&mut self, seen: &Seen, generation: u64, making: &Making) -> Option<Request> {
         let key = Self::key(seen, generation).filter(|key| self.asked_for.as_ref() != Some(key))?;
         let scene = seen.open.scene()?;
         if seen.look.is_moving {
             return None;
         }
         self.asked_for = Some(key.clone());
-        Some(Request { key, scene: scene.clone() })
+        Some(Request { key, scene: scene.clone(), making: making.clone() })
     }
 
     /// A tint is there.
@@ -69,12 +73,27 @@ impl Tint {
     }
 }
 
-/// The work of the thread.
-pub fn work(job: JobId, Request { key, scene }: Request, _: &Cancel, outbox: &Outbox) {
-    let Ok(trust) = scene.trust() else { return };
+/// The work of the thread: what was invented at once, and where sources of depth disagree as soon as the second one is there,
+/// which is made for this alone.
+pub fn worker(maker: Arc<Maker>) -> impl Work<Request> {
+    let mut known: Option<(u64, Option<Raster<f32>>)> = None;
+    move |job: JobId, Request { key, scene, making }: Request, cancel: &Cancel, outbox: &Outbox| {
+        let Ok(trust) = scene.trust() else { return };
+        if known.as_ref().is_none_or(|(generation, _)| *generation != key.generation) {
+            outbox.send(job, Event::Trust(key.clone(), tint(trust, &key)));
+            let torn = maker.disagreement(&scene, &making, &Job { cancel, sink: &() });
+            let Ok(torn) = torn else { return };
+            known = Some((key.generation, torn));
+        }
+        let torn = known.as_ref().and_then(|(_, torn)| torn.as_ref());
+        let image = tint(trust.with_torn_edges(torn), &key);
+        outbox.send(job, Event::Trust(key, image));
+    }
+}
+
+fn tint(trust: Trust, key: &TrustKey) -> ColorImage {
     let doubt = trust.of_picture(&key.lens, key.from);
     let sides = doubt.sides();
     let tint = |doubt: f32| theme::PEAK.gamma_multiply(doubt.clamp(0.0, 1.0).sqrt() * ALPHA);
-    let image = ColorImage::new(sides, doubt.into_pixels().into_iter().map(tint).collect());
-    outbox.send(job, Event::Trust(key, image));
+    ColorImage::new(sides, doubt.into_pixels().into_iter().map(tint).collect())
 }

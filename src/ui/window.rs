@@ -160,7 +160,8 @@ impl Window {
             film: Film::default(),
             photo: None,
             shaping: Shaping::default(),
-            rest: AtRest::default(),
+            // A slow device drafts with every second view.
+            rest: AtRest::of_every(if pictures.as_ref().is_some_and(FieldPictures::is_software) { 2 } else { 1 }),
             queue: Queue::default(),
             toasts,
             dialog: offer(options),

@@ -41,8 +41,11 @@ pub fn run(args: &Depth, job: &Job) -> Result<()> {
 
 /// Writes what was invented, and says how far one can go.
 fn trust(args: &Depth, output: &Output, job: &Job) -> Result<()> {
-    let scene = input::scene(&args.input, &args.synth, &args.recipe, Need::Views, job)?;
-    let (trust, field) = (scene.trust()?, &scene.made_views()?.field);
+    let (how, maker) =
+        (input::how_of(&args.input, &args.synth, args.recipe.recipe.as_deref(), job)?, input::maker(&args.synth));
+    let scene = how.scene(&how.open(&args.input, job)?, &maker, Need::Views, job)?;
+    let torn = maker.disagreement(&scene, how.making(), job)?;
+    let (trust, field) = (scene.trust()?.with_torn_edges(torn.as_ref()), &scene.made_views()?.field);
     let (doubt, view) = match args.view {
         Some(at) => {
             let at = asked::view_index(field.grid(), at.into())?;

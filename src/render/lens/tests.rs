@@ -1,6 +1,10 @@
 //! What the picture must be, on scenes whose truth is known.
 
+#[path = "../../../tests/common/chance.rs"]
+mod chance;
 mod depth;
+
+use chance::hash;
 
 use super::*;
 use crate::field::color::{linear_from_srgb, srgb_from_linear, srgb8_from_linear, srgb16_from_linear};
@@ -10,16 +14,6 @@ use crate::field::{FNumber, FocalPlane, LensShape, Metadata, PhotoPixels, ViewOf
 const STEP: f32 = 1.0 / 255.0;
 /// Blur diameter for a disparity of 1 at f/3.5.
 const PAPER: f32 = 7.937_254;
-
-/// Evenly spread number 0 … 1 that belongs to a place.
-fn hash(x: i32, y: i32, seed: u32) -> f32 {
-    let mut h =
-        (x as u32).wrapping_mul(0x9E37_79B1) ^ (y as u32).wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE35);
-    h ^= h >> 15;
-    h = h.wrapping_mul(0x2C1B_3C6D);
-    h ^= h >> 12;
-    (h.wrapping_mul(0x297A_2D39) >> 8) as f32 / (1 << 24) as f32
-}
 
 fn photo(size: [u32; 2], light: impl Fn(f32, f32) -> [f32; 3]) -> Arc<Photo> {
     let all: Vec<[f32; 3]> =

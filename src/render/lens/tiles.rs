@@ -76,11 +76,7 @@ impl Prepared {
     pub(super) fn optics<'a>(&self, lens: &'a Lens) -> Optics<'a> {
         let scale = self.size[0] as f32 / self.surfaces.map_size()[0] as f32;
         let gain = lens.f_number.added_views() * scale;
-        // The farthest from what is sharp lies in a corner, or in the middle of a curved surface.
-        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
-        let blurs =
-            self.surfaces.range_px().into_iter().flat_map(|d| corners.map(|[x, y]| lens.defocus_px(d, x, y).abs()));
-        let widest = gain * blurs.fold(0.0, f32::max);
+        let widest = gain * lens.widest_defocus_px(self.surfaces.range_px());
         let kernels = Kernels::new(lens.shape.clone(), lens.glass, widest, self.size);
         Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, size: self.size }
     }

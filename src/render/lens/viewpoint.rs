@@ -14,7 +14,8 @@ use super::{LensError, Rgbd};
 use crate::background::Beside;
 use crate::field::color::srgb8_from_linear;
 use crate::field::{
-    DisparityMap, Mix, Photo, PhotoPixels, PixelsPart, Size, ToSrgb8, Transfer, ViewPoint, bilinear, nearest, sides,
+    DisparityMap, Mix, Photo, PhotoPixels, PixelsPart, Raster, Size, ToSrgb8, Transfer, ViewPoint, bilinear,
+    nearest_index, sides,
 };
 use crate::job::{Job, Stage};
 
@@ -40,22 +41,23 @@ impl Rgbd {
         let aside = shift.map(|shift| shift * pivot_px);
         let [width, height] = sides(size);
         let mut wide = vec![u16::MAX; width * height * 4];
-        let mut depth = vec![0.0; width * height];
         let bands = height.div_ceil(ROWS);
-        let rows = wide.chunks_mut(width * 4 * ROWS).zip(depth.chunks_mut(width * ROWS));
-        for (done, (wide, depth)) in rows.enumerate() {
+        let at = |x: usize, y: usize| [x as f32 - aside[0], y as f32 - aside[1]];
+        for (done, wide) in wide.chunks_mut(width * 4 * ROWS).enumerate() {
             job.advance(Stage::Refocus, done as u32, bands as u32)?;
-            let rows = wide.par_chunks_mut(width * 4).zip(depth.par_chunks_mut(width)).enumerate();
-            rows.for_each(|(row, (wide, depth))| {
-                for (x, (pixel, depth)) in wide.chunks_exact_mut(4).zip(depth).enumerate() {
-                    let at = [x as f32 - aside[0], (done * ROWS + row) as f32 - aside[1]];
-                    let (rgb, disparity) = front.look(at, shift);
-                    *depth = disparity;
+            wide.par_chunks_mut(width * 4).enumerate().for_each(|(row, wide)| {
+                for (x, pixel) in wide.chunks_exact_mut(4).enumerate() {
+                    let (rgb, _) = front.look(at(x, done * ROWS + row), shift);
                     (0..3).for_each(|c| pixel[c] = front.transfer.sixteen_from_linear(c, rgb[c]));
                 }
             });
         }
-        front.scene(self, wide, &depth)
+        // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
+        let map = self.disparity.size();
+        let [columns, rows] = sides(map);
+        let place = |x: usize, y: usize| at(nearest_index(x, width, columns), nearest_index(y, height, rows));
+        let depth = Raster::par_from_fn(map, |x, y| front.look(place(x, y), shift).1);
+        front.scene(self, wide, DisparityMap::new(map, depth.into_pixels())?)
     }
 }
 
@@ -72,8 +74,9 @@ struct Front {
 impl Front {
     fn new(scene: &Rgbd, size: Size) -> Self {
         let light = Light::of(&scene.photo, scene.space).reduced(size);
-        let surfaces = Surfaces::new(scene.disparity.clone(), &light);
-        let behind = Behind::new(&surfaces, &light, scene.behind.as_deref());
+        let grid = light.on_grid();
+        let surfaces = Surfaces::new(scene.disparity.clone(), &grid);
+        let behind = Behind::new(&surfaces, &grid, scene.behind.as_deref());
         let transfer = match scene.space {
             Space::Own => Transfer::of_profile(scene.photo.metadata().icc.as_deref()),
             Space::Srgb => Transfer::srgb(),
@@ -169,10 +172,7 @@ impl Front {
     }
 
     /// The scene of what was seen.
-    fn scene(&self, from: &Rgbd, wide: Vec<u16>, depth: &[f32]) -> Result<Rgbd, LensError> {
-        // The map keeps its size, as a lens's disparities belong to that; single values, as means would invent depths.
-        let size = from.disparity.size();
-        let map = DisparityMap::new(size, nearest(depth, self.size, size))?;
+    fn scene(&self, from: &Rgbd, wide: Vec<u16>, map: DisparityMap) -> Result<Rgbd, LensError> {
         let transfer = self.transfer.clone();
         let by: ToSrgb8 = Arc::new(move |part, out| {
             let PixelsPart::Sixteen(px) = part else { return };
