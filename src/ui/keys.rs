@@ -11,8 +11,6 @@ use crate::scene::Edit;
 pub struct RestKey {
     /// What is done to the picture.
     pub edit: Edit,
-    /// Whether views can draft it ([`Scene::views_draft`](crate::scene::Scene::views_draft)).
-    pub has_draft: bool,
     /// Size of the whole picture, in pixels.
     pub size: [u32; 2],
     /// The part of it that is seen.
@@ -44,7 +42,7 @@ impl RestKey {
             high(place(seen.bottom(), rect.top(), rect.height(), size[1]), size[1]),
         ];
         let part = Region { at, size: [0, 1].map(|axis| end[axis].saturating_sub(at[axis]).max(1)) };
-        Self { edit: edit.clone(), has_draft: true, size, region: part, generation }
+        Self { edit: edit.clone(), size, region: part, generation }
     }
 
     /// The same, all of it, at another size.

@@ -103,11 +103,20 @@ impl AtRest {
         self.peaks = Some((peaks.key, texture));
     }
 
-    /// The picture, where it shows what is asked for at any size; of a wide lens the last one, while the next is drawn.
-    pub fn picture(&mut self, key: &RestKey) -> Option<(&RestKey, &mut Tiled)> {
+    /// The picture, where it shows what is asked for at any size; where it follows the hand the last one, while the next is
+    /// drawn.
+    pub fn picture(&mut self, key: &RestKey, follows: bool) -> Option<(&RestKey, &mut Tiled)> {
         let (have, tiled) = self.pictures.iter_mut().find(|(have, _)| have.generation == key.generation)?;
-        let follows = !have.has_draft && !key.has_draft;
         (have.edit == key.edit || follows).then_some((&*have, tiled))
+    }
+
+    /// Whether the lens renderer's pictures follow the hand, as no sum of views shows what they do. An eye that moves is
+    /// followed by views as long as they reach across the lens: they are there already.
+    pub fn follows(&self, seen: &Seen) -> bool {
+        let (Some(scene), Some(grid)) = (seen.open.scene(), seen.open.grid()) else { return false };
+        let is_elsewhere = |have: &RestKey| have.edit.viewpoint != seen.edit.viewpoint;
+        let eye_moves = self.have(self.generation).is_none_or(is_elsewhere) && grid.spans(seen.edit.f_number);
+        !eye_moves && !scene.views_draft(seen.edit, self.nth)
     }
 
     /// How bright the last picture of the light field is that was drawn.
@@ -137,7 +146,7 @@ impl AtRest {
             key = key.whole_at(field.size());
             // The hand does not stop a draft: else it would never see one.
             let is_busy = self.is_drawing(|asked| asked.is_whole_at(field.size()));
-            if key.has_draft || is_busy || self.asked_for.as_ref() == Some(&key) {
+            if !self.follows(seen) || is_busy || self.asked_for.as_ref() == Some(&key) {
                 return None;
             }
         }
@@ -158,7 +167,7 @@ impl AtRest {
         let is_draft_true = edit.shows_photo_itself() || scene.sums_views(edit, OutputSize::Photo);
         let key = RestKey::new(edit, self.generation, scene.subject().size(), on_screen, canvas);
         let is_wanted = look.face == Face::Picture && !is_draft_true;
-        is_wanted.then_some(RestKey { has_draft: scene.views_draft(edit, self.nth), ..key })
+        is_wanted.then_some(key)
     }
 
     /// The marks of what is in focus that are to be made now, when the lens or the view has changed.

@@ -7,8 +7,10 @@ use super::light::Light;
 use super::sample::{Axis, bilinear};
 use super::surfaces::Surfaces;
 use crate::background::{self, Cell, DISTANCE, Front, SHARE};
-use crate::field::{Raster, Size, sides};
+use crate::field::{Raster, Size, fit_long_side, sides};
 
+/// Longest side of the grid on which what is behind is made up.
+const GRID_SIDE: u32 = 1024;
 /// A surface is behind another when it is farther by this much, in cells per view step.
 const BEHIND_PX: f32 = 0.08;
 
@@ -34,10 +36,10 @@ pub(super) struct Hidden {
 }
 
 impl Behind {
-    /// Behind all edges of a picture whose light this is, on the grid's size.
+    /// Behind all edges of a picture of `light`'s size. `scale`: the light's pixels per pixel of the map.
     pub(super) fn new(surfaces: &Surfaces, light: &Light, revealed: Option<&Revealed>) -> Self {
-        let size = light.size();
-        let front = front(surfaces, light);
+        let size = fit_long_side(light.size(), GRID_SIDE);
+        let front = front(surfaces, &light.reduced(size));
         let apart_px = BEHIND_PX * surfaces.map_size()[0] as f32 / size[0] as f32;
         let cells = background::behind(&front, apart_px, |x, y| seen(revealed, size, x, y));
         let is_empty = cells.pixels().iter().all(|cell| cell[SHARE] <= 0.0);

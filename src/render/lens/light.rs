@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::field::{Filter, Photo, PhotoPixels, Size, Taps, Transfer, fit_long_side, pixels, sides};
+use crate::field::{Filter, Photo, PhotoPixels, Size, Taps, Transfer, pixels, sides};
 
 /// In which primaries the picture is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,9 +25,6 @@ impl Space {
         }
     }
 }
-
-/// Longest side of the grids of edges and of what is behind them.
-pub(super) const GRID_SIDE: u32 = 1024;
 
 /// Where light comes from.
 #[derive(Clone)]
@@ -92,11 +89,6 @@ impl Light {
             }
             Self::Linear { px, .. } => within.copy_from_slice(&px[first..first + inside]),
         }
-    }
-
-    /// The same as small as the grids are, on which edges and what is behind them are looked for.
-    pub(super) fn on_grid(&self) -> Self {
-        self.reduced(fit_long_side(self.size(), GRID_SIDE))
     }
 
     /// The same at a smaller size: each pixel is the mean of the area that it covers.

@@ -143,9 +143,8 @@ impl Rgbd {
         let full = self.photo.size();
         let size = [0, 1].map(|axis| size[axis].clamp(1, full[axis]));
         let light = Light::of(&self.photo, self.space).reduced(size);
-        let grid = light.on_grid();
-        let surfaces = Surfaces::new(self.disparity.clone(), &grid);
-        let behind = Behind::new(&surfaces, &grid, self.behind.as_deref());
+        let surfaces = Surfaces::new(self.disparity.clone(), &light);
+        let behind = Behind::new(&surfaces, &light, self.behind.as_deref());
         let bounds = Bounds::new(size, &surfaces, &behind);
         Prepared { size, light, surfaces, behind, bounds }
     }

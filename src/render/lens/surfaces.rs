@@ -6,9 +6,12 @@
 //! depth between the two sides.
 
 use super::edges::{AXIS, Cell, EDGE, FAR, FAR_COLOR, FOREIGN, Grid, Models, NEAR, OWN, SOFT, TELLING};
-use super::light::{GRID_SIDE, Light};
+use super::light::Light;
 use super::sample::Axis;
 use crate::field::{DisparityMap, Mix, Raster, Size, between, fit_long_side, nearest, ramp};
+
+/// Longest side of the grid of edge models.
+const GRID_SIDE: u32 = 1024;
 
 /// Part of a pixel beside the near side that must have the near side's colour before it counts as covered by it.
 const FRINGE: [f32; 2] = [0.05, 0.2];

@@ -74,9 +74,8 @@ struct Front {
 impl Front {
     fn new(scene: &Rgbd, size: Size) -> Self {
         let light = Light::of(&scene.photo, scene.space).reduced(size);
-        let grid = light.on_grid();
-        let surfaces = Surfaces::new(scene.disparity.clone(), &grid);
-        let behind = Behind::new(&surfaces, &grid, scene.behind.as_deref());
+        let surfaces = Surfaces::new(scene.disparity.clone(), &light);
+        let behind = Behind::new(&surfaces, &light, scene.behind.as_deref());
         let transfer = match scene.space {
             Space::Own => Transfer::of_profile(scene.photo.metadata().icc.as_deref()),
             Space::Srgb => Transfer::srgb(),

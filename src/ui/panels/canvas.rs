@@ -201,13 +201,14 @@ fn paint(shown: &mut Canvas, ui: &Ui, canvas: Rect, rect: Rect) {
 fn paint_field(shown: &mut Canvas, ui: &Ui, painter: &egui::Painter, rect: Rect, opacity: f32) {
     let seen = Seen { open: shown.open, edit: shown.edit, look: shown.look };
     let key = shown.rest.key(&seen, ui.ctx().pixels_per_point()).filter(|_| opacity >= 1.0);
-    let at_rest = key.as_ref().and_then(|key| shown.rest.picture(key));
+    let follows = shown.rest.follows(&seen);
+    let at_rest = key.as_ref().and_then(|key| shown.rest.picture(key, follows));
     let covers_all = at_rest.is_some_and(|(have, _)| have.is_whole_at(have.size));
     if !covers_all {
         paint_draft(shown, painter, rect, opacity);
     }
     // What the lens renderer drew lies over the draft where it is what is asked for.
-    if let Some((have, tiled)) = key.as_ref().and_then(|key| shown.rest.picture(key)) {
+    if let Some((have, tiled)) = key.as_ref().and_then(|key| shown.rest.picture(key, follows)) {
         tiled.paint(painter, have.on_screen(rect));
     }
 }
