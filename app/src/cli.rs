@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use plenoscope::field::{FNumber, LensShape, Strength};
 use plenoscope::render::cpu::Colormap;
-use plenoscope::scene::export::{Kind, Settings};
+use plenoscope::scene::export::Kind;
 use plenoscope::scene::real::KnownLens;
 use plenoscope::scene::{Making, Movement, OutputSize, asked, trust};
 use plenoscope::shard::Shard;
@@ -14,6 +14,7 @@ use plenoscope::synth::Scale;
 
 use crate::burst_args::Burst;
 use crate::embed_args::EmbedArgs;
+use crate::stereo_args::StereoArgs;
 use crate::values::{self, KeepSharp, Pair, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
@@ -439,7 +440,7 @@ pub struct Export {
     pub kind: Kind,
     #[command(flatten)]
     pub lens: LensArgs,
-    /// Size of the frames of focal-stack, animation, video and frames, and of html: photo, light-field, or WxH to fit into
+    /// Size of the frames of focal-stack, animation, video and frames, of html and spatial: photo, light-field, or WxH to fit
     #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
     pub size: Option<OutputSize>,
     /// Frames of focal-stack and animation (24), and of video and frames (90, or its timeline's seconds)
@@ -451,9 +452,8 @@ pub struct Export {
     /// What moves in animation, video and frames: the recipe's timeline, else focus-pull
     #[arg(long, value_name = "MOTION", value_parser = values::movements())]
     pub motion: Option<Movement>,
-    /// Distance of the eyes of anaglyph, side-by-side and mpo, in view steps
-    #[arg(long, value_name = "STEPS", default_value_t = Settings::EYES_APART, value_parser = values::eyes_apart)]
-    pub eyes_apart: f32,
+    #[command(flatten)]
+    pub stereo: StereoArgs,
     #[command(flatten)]
     pub embed: EmbedArgs,
     #[command(flatten)]

@@ -8,6 +8,7 @@ mod commands;
 mod embed_args;
 mod output;
 mod progress;
+mod stereo_args;
 mod values;
 
 use std::path::Path;

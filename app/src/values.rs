@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
 use plenoscope::field::{FNumber, Strength, ViewOffset};
+use plenoscope::io::formats::quilt;
 use plenoscope::scene::Movement;
 use plenoscope::scene::asked::{self, Usage};
 use plenoscope::scene::export::{KINDS, Kind, Settings};
@@ -172,6 +173,11 @@ pub fn sensors() -> impl TypedValueParser<Value = usize> {
 /// Frames of a stack or an animation.
 pub fn frames() -> impl TypedValueParser<Value = u16> {
     clap::value_parser!(u16).range(2..=i64::from(Settings::MOST_FRAMES))
+}
+
+/// The displays that quilts are for, by their places in the list.
+pub fn displays() -> impl TypedValueParser<Value = usize> {
+    named(quilt::DEVICES.iter().enumerate().map(|(place, device)| (device.id, device.name, place)).collect())
 }
 
 /// One of a list of names, each with what it is good for.

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::focus;
 use super::real::Distance;
 use super::sharp::{self, Places};
-use crate::field::{DisparityMap, FNumber, FocalPlane, Glass, Lens, LensShape, Strength, ViewPoint};
+use crate::field::{DisparityMap, FNumber, FocalPlane, Glass, Lens, LensShape, Strength, ViewOffset, ViewPoint};
+use crate::io::formats::stereo;
 
 /// Where it is sharp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -84,6 +85,14 @@ impl Edit {
         let shape = self.shape.clone();
         let (curve_px, fringes_px) = (glass.curve_px(width), glass.fringes_px(width));
         Lens { f_number, shape, focus, keep_sharp_px, highlights, grain, glass, curve_px, fringes_px }
+    }
+
+    /// The same edit for both eyes, `apart` view steps from each other, left first.
+    pub fn for_eyes(&self, apart: f32) -> [Self; 2] {
+        stereo::eyes(apart).map(|ViewPoint(eye)| {
+            let here = self.viewpoint.0;
+            Self { viewpoint: ViewPoint(ViewOffset { du: here.du + eye.du, ..here }), ..self.clone() }
+        })
     }
 
     /// What stays where it is while the eye goes round, in pixels of a width.

@@ -75,7 +75,8 @@ fn settings(args: &Export, how: &How) -> Result<Settings> {
         frames_per_second: args.frames_per_second.unwrap_or(Settings::FRAMES_PER_SECOND),
         movement: args.motion.unwrap_or(usual),
         timeline: timeline.cloned(),
-        eyes_apart: args.eyes_apart,
+        eyes_apart: args.stereo.eyes_apart,
+        device: args.stereo.display,
         replaces_source: args.force,
         ..Settings::default()
     };

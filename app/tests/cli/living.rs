@@ -44,13 +44,24 @@ fn a_browser_shows_our_pictures() {
     let dir = Scratch::new();
     plenoscope(&["sample", "-o", &dir.arg("")]).assert().success();
     let size = [360, 240];
-    // Far and near, and from beside.
-    let asked = [("100,100", "0,0", ""), ("1100,660", "0,0", ""), ("1100,660", "-3,1", "&x=-3&y=1")];
+    std::fs::write(dir.path("pivot.json"), r#"{"version": 2, "lens": {"pivot": 0.003}}"#).unwrap();
+    // Far and near, from beside, and around something near.
+    let beside = "&x=-3&y=1";
+    let asked = [
+        ("100,100", "0,0", "", ""),
+        ("1100,660", "0,0", "", ""),
+        ("1100,660", "-3,1", beside, ""),
+        ("1100,660", "-3,1", beside, "pivot.json"),
+    ];
     let mut shots = Vec::new();
-    for (number, (focus, at, eye)) in asked.into_iter().enumerate() {
+    for (number, (focus, at, eye, recipe)) in asked.into_iter().enumerate() {
         let [page, ours] = [format!("{number}.html"), format!("{number}.png")];
         let (photo, map) = (dir.arg("sample.png"), dir.arg("sample.pfm"));
-        let lens = ["--disparity", &map, "--size", "360x240", "--focus", focus, "--f-number", "2"];
+        let mut lens = vec!["--disparity", &map, "--size", "360x240", "--focus", focus, "--f-number", "2"];
+        let recipe = dir.arg(recipe);
+        if recipe.ends_with(".json") {
+            lens.extend(["--recipe", &recipe]);
+        }
         let export = ["export", &photo, "--as", "html", "-o", &dir.arg(&page)];
         plenoscope(&[&export[..], &lens].concat()).assert().success();
         let refocus = ["refocus", &photo, "--at", at, "-o", &dir.arg(&ours)];
@@ -61,6 +72,7 @@ fn a_browser_shows_our_pictures() {
         shots.push(shown);
     }
     assert!(psnr(&shots[0], &shots[1]) < 32.0, "far and near are other pictures");
+    assert!(psnr(&shots[2], &shots[3]) < 32.0, "a pivot moves the picture");
     let bytes = std::fs::metadata(dir.path("0.html")).unwrap().len();
     assert!(bytes < 3_000_000, "{bytes}");
 }

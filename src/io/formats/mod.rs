@@ -19,6 +19,7 @@ pub mod ply;
 pub mod quilt;
 pub mod stanford;
 pub mod stereo;
+pub mod stereo_heic;
 #[cfg(test)]
 mod tests;
 pub mod views;
@@ -150,7 +151,8 @@ pub static TABLE: [Entry; 23] = [
         "phone depth: Apple portrait (HEIC, JPEG)",
         Reader::Depth(DepthIn { jpeg: Some(apple::read_jpeg), heic: Some(heic::read_depth) }),
     ),
-    read("phone depth: spatial photo (HEIC)", Reader::Depth(DepthIn { jpeg: None, heic: Some(spatial::read) })),
+    made("spatial", "phone depth: spatial photo (HEIC)", "stereo_heic", "heic")
+        .read(Reader::Depth(DepthIn { jpeg: None, heic: Some(spatial::read) })),
     read("phone depth: file beside the photo (`_DEPTH`)", Reader::Beside(side_file::find)),
     read("processed Lytro file (`-stk.lfp`)", Reader::Files(&[lytro::TYPE])),
     field("gaussians", "Gaussian splats (PLY)", Keeps::Made, Some("ply"), gaussians::write)

@@ -21,6 +21,8 @@ const FORMAT: &str = "Looking Glass quilt";
 /// A display: how its quilt is laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Device {
+    /// How the command line calls it.
+    pub id: &'static str,
     /// What people call it.
     pub name: &'static str,
     /// Tiles across and down.
@@ -31,12 +33,39 @@ pub struct Device {
     pub aspect: f32,
 }
 
-/// The displays that are known.
-pub const DEVICES: [Device; 4] = [
-    Device { name: "Portrait", grid: [8, 6], size: [3360, 3360], aspect: 0.75 },
-    Device { name: "Go", grid: [11, 6], size: [4092, 4092], aspect: 0.5625 },
-    Device { name: "16\" landscape", grid: [5, 9], size: [4096, 4096], aspect: 1.777 },
-    Device { name: "32\" landscape", grid: [5, 9], size: [8192, 8192], aspect: 1.777 },
+/// The displays that are known, as their maker recommends.
+pub const DEVICES: [Device; 7] = [
+    Device { id: "portrait", name: "Looking Glass Portrait", grid: [8, 6], size: [3360, 3360], aspect: 0.75 },
+    Device { id: "go", name: "Looking Glass Go", grid: [11, 6], size: [4092, 4092], aspect: 0.5625 },
+    Device {
+        id: "16-landscape",
+        name: "Looking Glass 16\" landscape",
+        grid: [7, 7],
+        size: [5999, 5999],
+        aspect: 1.777,
+    },
+    Device {
+        id: "32-landscape",
+        name: "Looking Glass 32\" landscape",
+        grid: [7, 7],
+        size: [8190, 8190],
+        aspect: 1.777,
+    },
+    Device {
+        id: "16-portrait",
+        name: "Looking Glass 16\" portrait",
+        grid: [11, 6],
+        size: [5995, 6000],
+        aspect: 0.5625,
+    },
+    Device {
+        id: "32-portrait",
+        name: "Looking Glass 32\" portrait",
+        grid: [11, 6],
+        size: [8184, 8184],
+        aspect: 0.5625,
+    },
+    Device { id: "65", name: "Looking Glass 65\"", grid: [8, 9], size: [8192, 8192], aspect: 1.777 },
 ];
 
 impl Device {
@@ -171,7 +200,7 @@ mod tests {
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        assert_eq!(DEVICES[2].file_name("x"), "x_qs5x9a1.777.png");
+        assert_eq!(DEVICES[2].file_name("x"), "x_qs7x7a1.777.png");
         assert_eq!(layout(Path::new("a/x_qs5x9a1.777.png")), Some((5, 9, 1.777)));
         assert_eq!(layout(Path::new("steampunk_quilt_qs8x13a0.75.jpg")), Some((8, 13, 0.75)));
         assert_eq!(layout(Path::new("x_qs5x9.png")), None);
@@ -180,7 +209,7 @@ mod tests {
 
     #[test]
     fn the_leftmost_view_lies_at_the_bottom_left_and_comes_back_first() {
-        let device = Device { name: "test", grid: [3, 2], size: [13, 9], aspect: 1.0 };
+        let device = Device { id: "test", name: "test", grid: [3, 2], size: [13, 9], aspect: 1.0 };
         // Each viewpoint has its own grey.
         let gray = |point: ViewPoint| (point.0.du + 4.0) / 10.0;
         let view = |point| Picture { size: [8, 8], rgb_linear: vec![gray(point); 8 * 8 * 3] };

@@ -51,7 +51,7 @@ fn write(id: &str, dir: &Path, source: &FieldToWrite, job: &Job) -> PathBuf {
     let [left, right] = stereo::eyes(2.0).map(plain);
     match id {
         "quilt" => {
-            let device = quilt::Device { name: "small", grid: [4, 2], size: [64, 24], aspect: 1.5 };
+            let device = quilt::Device { id: "small", name: "small", grid: [4, 2], size: [64, 24], aspect: 1.5 };
             let path = device.path(&path);
             quilt::write(&path, &device, [-4.0, 3.0], &plain, job).unwrap();
             return path;
@@ -63,6 +63,10 @@ fn write(id: &str, dir: &Path, source: &FieldToWrite, job: &Job) -> PathBuf {
         "side-by-side" => stereo::write_side_by_side(&path, &left, &right),
         "anaglyph" => stereo::write_anaglyph(&path, &left, &right),
         "mpo" => mpo::write(&path, &left, &right),
+        "spatial" => {
+            let eyes = stereo_heic::Eyes { focal: 0.75, apart_m: 0.004 };
+            stereo_heic::write(&path, [&left, &right], eyes, job)
+        }
         "ply" => ply::write(&path, source),
         "html" => living::write(&path, &living::tests::living("rose")),
         other => panic!("the table has {other}, and no test writes it"),

@@ -17,6 +17,7 @@ pub enum Kind {
     Living,
     SideBySide,
     Mpo,
+    Spatial,
     Anaglyph,
     Views,
     Eslf,
@@ -67,7 +68,7 @@ pub struct Spec {
 }
 
 /// All kinds, in the order of the dialog.
-pub const KINDS: [Spec; 19] = [
+pub const KINDS: [Spec; 20] = [
     made_of_map(
         Kind::Picture,
         "picture",
@@ -131,6 +132,14 @@ pub const KINDS: [Spec; 19] = [
         "Both eyes as two JPEGs in one file, for 3-D screens and cameras",
         Group::Pictures,
         "{name}.mpo",
+    ),
+    made_of_map(
+        Kind::Spatial,
+        "spatial",
+        "Spatial photo",
+        "Both eyes as a spatial photo, one HEIC, for headsets and phones",
+        Group::Pictures,
+        "{name}-spatial.heic",
     ),
     made_of_views(
         Kind::Anaglyph,
@@ -263,7 +272,7 @@ impl Kind {
     /// What must be made of a subject for it.
     pub fn need(self, size: OutputSize) -> Need {
         match self {
-            Self::Picture => Scene::need(size),
+            Self::Picture | Self::Spatial => Scene::need(size),
             kind if kind.spec().is_of_views => Need::Views,
             _ => Need::Map,
         }

@@ -7,7 +7,7 @@ use super::{Existing, Kind, Settings, living};
 use crate::field::{DisparityMap, Pixels};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::depth_out::Seen;
-use crate::io::formats::{self, FieldToWrite, Writer, depth_out, mpo, ply, quilt, stereo};
+use crate::io::formats::{self, FieldToWrite, Writer, depth_out, mpo, ply, quilt, stereo, stereo_heic};
 use crate::io::save::{self, AnimationOptions, PictureOptions, SaveError};
 use crate::job::{Job, Stage};
 use crate::render::cpu;
@@ -90,6 +90,7 @@ pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job
             }
         }
         Kind::Living => living::write(scene, edit, settings, target, job),
+        Kind::Spatial => spatial(scene, edit, settings, target, job),
         Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth => depth(scene, settings.kind, target, job),
         _ => of_views(scene, settings, target, job),
     }
@@ -136,6 +137,14 @@ fn depth(scene: &Scene, kind: Kind, target: &Path, job: &Job) -> Result<(), Scen
         _ => depth_out::write_pfm(target, map)?,
     }
     Ok(())
+}
+
+/// The picture as both eyes see it, through the lens.
+fn spatial(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
+    let [left, right] = edit.for_eyes(settings.eyes_apart).map(|edit| scene.shown(&edit, settings.size(), job));
+    let (focal, step_m) = scene.camera(edit);
+    let eyes = stereo_heic::Eyes { focal, apart_m: settings.eyes_apart * step_m };
+    Ok(stereo_heic::write(target, [&left?, &right?], eyes, job)?)
 }
 
 /// What is made of all views: light fields, stereo pictures, point clouds.

@@ -137,6 +137,12 @@ impl Scene {
         (FNumber(cut), (cut - wanted).abs() > 0.005 * wanted)
     }
 
+    /// The camera's focal length over the picture's width, and a view step in metres; where nobody says them, the usual ones.
+    pub fn camera(&self, edit: &Edit) -> (f32, f32) {
+        let optics = Optics::of(self, edit);
+        (optics.f35_mm / 1000.0 / FILM_M * optics.long, optics.step_m() * optics.strength)
+    }
+
     /// The edit with the distance of what it focuses on.
     pub fn with_distance(&self, edit: &Edit, metres: Option<f32>) -> Edit {
         Edit { distance: metres.map(|metres| Distance { of: edit.focus, metres }), ..edit.clone() }
@@ -179,9 +185,13 @@ impl Optics {
     /// The f-number on full frame of one on the slider.
     fn real_from(&self, f: FNumber) -> f32 {
         let f35_m = self.f35_mm / 1000.0;
-        let usual = f35_m / VIEWS;
-        let step_m = self.metric.map_or(usual, |(metric, _)| metric.gain * FILM_M / (self.long * f35_m));
-        f.0 * usual / (step_m * self.strength)
+        f.0 * f35_m / VIEWS / (self.step_m() * self.strength)
+    }
+
+    /// A view step at strength 1; the usual one where nothing is known of metres.
+    fn step_m(&self) -> f32 {
+        let f35_m = self.f35_mm / 1000.0;
+        self.metric.map_or(f35_m / VIEWS, |(metric, _)| metric.gain * FILM_M / (self.long * f35_m))
     }
 }
 

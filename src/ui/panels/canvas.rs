@@ -3,7 +3,6 @@
 use egui::{Align2, Color32, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 
 use crate::field::{ViewOffset, ViewPoint};
-use crate::io::formats::stereo;
 use crate::render::gpu::Draw;
 use crate::scene::export::Settings;
 use crate::scene::{Edit, Focus};
@@ -215,10 +214,7 @@ fn paint_field(shown: &mut Canvas, ui: &Ui, painter: &egui::Painter, rect: Rect,
 
 /// What both eyes see, as they are shown at once.
 fn both_eyes(shown: &mut Canvas, painter: &egui::Painter, rect: Rect) {
-    let eyes = stereo::eyes(Settings::EYES_APART).map(|at| {
-        let here = shown.edit.viewpoint.0;
-        Edit { viewpoint: ViewPoint(ViewOffset { du: here.du + at.0.du, ..here }), ..shown.edit.clone() }
-    });
+    let eyes = shown.edit.for_eyes(Settings::EYES_APART);
     let half = |side: f32| {
         let middle = pos2(rect.left() + rect.width() * (0.25 + 0.5 * side), rect.center().y);
         Rect::from_center_size(middle, rect.size() / 2.0)

@@ -119,7 +119,10 @@ fn rows(ui: &mut Ui, export: &mut Export) {
         }
         Kind::Animation => animation_rows(ui, settings),
         Kind::Video | Kind::Frames => film_rows(ui, settings),
-        Kind::SideBySide | Kind::Mpo | Kind::Anaglyph => {
+        Kind::SideBySide | Kind::Mpo | Kind::Spatial | Kind::Anaglyph => {
+            if settings.kind == Kind::Spatial {
+                size_row(ui, settings, open);
+            }
             widgets::labelled(ui, t!("eyes-apart"), |ui| {
                 let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
                 ui.add(widgets::spoken(drag).max_decimals(1).suffix(t!("suffix-views")));
@@ -128,8 +131,11 @@ fn rows(ui: &mut Ui, export: &mut Export) {
         }
         Kind::Quilt => {
             widgets::labelled(ui, t!("display"), |ui| {
-                let names: Vec<_> = quilt::DEVICES.iter().map(|device| device.name).enumerate().collect();
-                widgets::segmented(ui, t!("display"), &mut settings.device, &names);
+                egui::ComboBox::from_id_salt("display").selected_text(settings.device().name).show_ui(ui, |ui| {
+                    for (place, device) in quilt::DEVICES.iter().enumerate() {
+                        ui.selectable_value(&mut settings.device, place, device.name);
+                    }
+                });
             });
             let [[cols, rows], [w, h]] = [settings.device().grid, settings.device().size];
             widgets::labelled(ui, "", |ui| {

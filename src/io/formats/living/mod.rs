@@ -85,6 +85,8 @@ pub struct Numbers {
     pub highlights: f32,
     /// Where the eye is at first.
     pub eye: [f32; 2],
+    /// The disparity that stays where it is while the eye goes round.
+    pub pivot: f32,
 }
 
 /// Writes the page. The photo's quality goes down until the page is small enough.
@@ -206,6 +208,7 @@ pub(super) mod tests {
             keep_sharp: [0.0; 2],
             highlights: 0.0,
             eye: [0.0; 2],
+            pivot: 0.0,
         };
         let strip = vec![(title.to_owned(), picture([8, 6]))];
         let [photo, depths] = [picture(size), picture(size)];

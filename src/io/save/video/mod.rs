@@ -120,7 +120,9 @@ impl Coder {
                 matrix_coefficients: MatrixCoefficients::BT709,
             }),
             quantizer: QUANTIZER,
-            speed_settings: SpeedSettings::from_preset(SPEED),
+            speed_settings: speed(),
+            // What eyes forgive takes longer to find out than to encode.
+            tune: Tune::Psnr,
             // Frames that wait for later ones take twice the time, and make the film 8 % smaller.
             low_latency: true,
             tiles: rayon::current_num_threads().next_power_of_two().min(16),
@@ -170,6 +172,13 @@ impl Coder {
         self.take()?;
         Ok(self.film)
     }
+}
+
+/// The fastest preset without the filter that directs: it takes a fifth of the time, and 0.1 dB is all it gives.
+fn speed() -> SpeedSettings {
+    let mut speed = SpeedSettings::from_preset(SPEED);
+    speed.cdef = false;
+    speed
 }
 
 /// A packet without the delimiter that boxes have no use for (AV1 in ISOBMFF, §2.4).

@@ -82,6 +82,7 @@ fn numbers(scene: &Scene, edit: &Edit, lens: &Lens, layers: &Layers) -> Numbers 
         keep_sharp: lens.keep_sharp_px,
         highlights: lens.highlights,
         eye: [eye.du, eye.dv],
+        pivot: edit.pivot_px(scene.map().size()[0], scene.strength()),
     }
 }
 

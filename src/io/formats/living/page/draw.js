@@ -9,7 +9,7 @@ void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 -
 const VIEW = HEAD + `
 uniform sampler2D colors, depths, behindColors, behindDepths;
 uniform vec2 size, shift, range;
-uniform float coarse;
+uniform float coarse, pivot;
 layout(location = 0) out vec4 seen;
 layout(location = 1) out vec4 sides;
 layout(location = 2) out vec4 hidden;
@@ -38,7 +38,8 @@ void behind(vec2 uv, out vec4 light, out vec2 at) {
   light.rgb /= max(light.a, 1e-4); at.x /= max(light.a, 1e-4);
 }
 void main() {
-  vec2 uv = gl_FragCoord.xy / size, at = uv;
+  // What has the pivot's disparity stays.
+  vec2 uv = gl_FragCoord.xy / size - shift * pivot, at = uv;
   vec3 s = sidesAt(uv);
   vec4 back; vec2 backAt;
   float moved = length(shift * size);
@@ -285,7 +286,7 @@ function renderer(canvas, images, scene) {
     const to = targets(size);
     const range = scene.range, scale = scene.scale * size[0] / full[0];
     const shift = [lens.eye[0] * scale / size[0], lens.eye[1] * scale / size[1]];
-    draw(view, to.view, named(["colors", "depths", "behindColors", "behindDepths"], source), { shift, range, coarse: Math.max(0, Math.log2(full[0] / size[0])) });
+    draw(view, to.view, named(["colors", "depths", "behindColors", "behindDepths"], source), { shift, range, pivot: scene.pivot, coarse: Math.max(0, Math.log2(full[0] / size[0])) });
     const views = Math.sqrt(Math.max((28 / lens.fNumber) ** 2 - 1, 0)), gain = views * scale;
     if (gain === 0) {
       draw(show, null, [["front", to.view.textures[0]]], { isLight: 1 });

@@ -49,7 +49,8 @@
     const shift = wanted.eye.map((eye, a) => eye * scene.scale / scene.size[a]);
     for (let i = 0; i <= 64; i++) {
       const ray = near - (near - far) * i / 64;
-      if (disparityAt(x + shift[0] * ray, y + shift[1] * ray) >= ray) return ray;
+      const away = ray - scene.pivot;
+      if (disparityAt(x + shift[0] * away, y + shift[1] * away) >= ray) return ray;
     }
     return far;
   };
