@@ -91,14 +91,14 @@ impl Net {
         threads: usize,
         cancel: &Cancel,
     ) -> Result<Vec<Output>, SynthError> {
-        let outputs = self.ready(shape, threads)?.run_all(input, cancel).map_err(|error| self.synth(error))?;
+        let outputs = self.ready(shape, threads, cancel)?.run_all(input, cancel).map_err(|error| self.synth(error))?;
         if outputs.first().is_some_and(|map| map.iter().all(|value| value.is_finite())) {
             return Ok(outputs);
         }
         Err(ModelError::NotFinite { id: self.manifest().id.clone(), place: self.file.place.clone() }.into())
     }
 
-    fn ready(&self, shape: &[usize], threads: usize) -> Result<Runnable, SynthError> {
+    fn ready(&self, shape: &[usize], threads: usize, cancel: &Cancel) -> Result<Runnable, SynthError> {
         let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, net)) = warm.iter().find(|(n, net)| *n == threads && net.input_shape() == shape) {
             return Ok(net.clone());
@@ -108,7 +108,8 @@ impl Net {
         let gone = warm.len().saturating_sub(kept);
         warm.drain(..gone);
         self.file.check()?;
-        let options = Options { threads, weights: self.weights.clone(), ..Options::default() };
+        let (weights, cancel) = (self.weights.clone(), cancel.clone());
+        let options = Options { threads, weights, cancel, ..Options::default() };
         let net = prepare_file(&self.file.onnx(&self.wiring), shape, &options).map_err(|error| self.synth(error))?;
         warm.push((threads, net.clone()));
         Ok(net)

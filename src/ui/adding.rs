@@ -44,7 +44,7 @@ pub struct Card {
     pub facts: Vec<(Id, Message)>,
     /// What a person must know before using its pictures.
     pub warning: Option<&'static str>,
-    /// The sample, and what the net says of it; small, near is red.
+    /// The sample, and what the net says of it; small, near is yellow.
     pub pictures: [Arc<ColorImage>; 2],
 }
 

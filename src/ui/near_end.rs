@@ -21,7 +21,7 @@ pub struct Reading {
     pub end: NearEnd,
     /// What it says then.
     pub depth: GivenDepth,
-    /// A small picture of it, near is red.
+    /// A small picture of it, near is yellow.
     image: Arc<ColorImage>,
 }
 
@@ -34,14 +34,14 @@ pub fn readings(map: &DepthMap) -> Result<[Reading; 2], FieldError> {
     Ok(map.previews()?.map(|(end, depth)| Reading { end, image: image(&depth), depth }))
 }
 
-/// A small picture of a map, near is red.
+/// A small picture of a map, near is yellow.
 pub fn small(map: &DisparityMap) -> ColorImage {
     let [w, h] = map.size();
     let step = w.max(h).div_ceil(PREVIEW).max(1);
     let [far, near] = map.range_px();
     let scale = 1.0 / (near - far).max(1e-6);
     let color = |x: u32, y: u32| {
-        let [r, g, b] = Colormap::Turbo.srgb((map.at(x, y) - far) * scale).map(|v| (v * 255.0) as u8);
+        let [r, g, b] = Colormap::Viridis.srgb((map.at(x, y) - far) * scale).map(|v| (v * 255.0) as u8);
         Color32::from_rgb(r, g, b)
     };
     let pixels = (0..h).step_by(step as usize).flat_map(|y| (0..w).step_by(step as usize).map(move |x| color(x, y)));

@@ -100,7 +100,8 @@ pub fn adopt(path: &Path, known: Known, any: bool, job: &Job) -> Result<Adopted,
     let size = working_size(&manifest, known.view.size());
     let wiring = manifest.relative.wiring();
     let file = OnnxFile { wiring: &wiring, ..OnnxFile::on_disk(path) };
-    let net = prepare_file(&file, &input_shape(&manifest, size), &Options::default()).map_err(engine)?;
+    let options = Options { cancel: job.cancel.clone(), ..Options::default() };
+    let net = prepare_file(&file, &input_shape(&manifest, size), &options).map_err(engine)?;
     let trial = Trial { net, manifest: &manifest, picture: Signed::resized(known.view, size, Filter::Lanczos3), known };
     let best = trial.best(&draft, family, job).map_err(engine)?;
     best.check(any)?;

@@ -102,11 +102,13 @@ pub fn prepare(onnx_bytes: &[u8], input_shape: &[usize], options: &Options) -> R
 /// Makes an ONNX file ready that may have weights beside it, several inputs and several outputs.
 ///
 /// # Errors
-/// Those of [`prepare`]; weights, inputs or outputs that are not there.
+/// Those of [`prepare`]; weights, inputs or outputs that are not there; [`EngineError::Cancelled`].
 pub fn prepare_file(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
     // tract takes names that lead nowhere, and other faults of a graph, for its own and panics.
     let broken = || Err(EngineError::Unsupported { detail: "its graph is damaged".to_owned() });
-    panics::caught(|| prepared(file, input_shape, options)).unwrap_or_else(broken)
+    let ready = || op::with_cancel(&options.cancel, || prepared(file, input_shape, options));
+    let ready = panics::caught(ready).unwrap_or_else(broken);
+    if options.cancel.is_cancelled() { Err(EngineError::Cancelled) } else { ready }
 }
 
 fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result<Runnable, EngineError> {
@@ -131,10 +133,12 @@ fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result
 
 /// What public nets are made of, done by the kernel.
 fn foreign(model: &mut TypedModel, isa: Isa) -> TractResult<()> {
-    attention::rewrite(model, isa)?;
-    layer_norm::rewrite(model, isa)?;
-    dense::rewrite(model, isa)?;
-    patch_conv::rewrite(model, isa)?;
+    let packing: [fn(&mut TypedModel, Isa) -> TractResult<()>; 4] =
+        [attention::rewrite, layer_norm::rewrite, dense::rewrite, patch_conv::rewrite];
+    for rewrite in packing {
+        op::stop()?;
+        rewrite(model, isa)?;
+    }
     inverted::rewrite(model)?;
     resize::rewrite(model, isa)
 }

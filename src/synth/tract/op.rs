@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use tract_onnx::tract_core::internal::*;
 
-use crate::job::Cancel;
+use crate::job::{Cancel, Cancelled};
 use crate::kernel::{Activation, Conv, ConvShape, Ending, Isa, Kernel, Limits, Packed, Padding};
 
 thread_local! {
@@ -22,9 +22,14 @@ pub(super) fn with_cancel<R>(cancel: &Cancel, f: impl FnOnce() -> R) -> R {
     result
 }
 
-/// The cancel flag of the net that runs on this thread.
+/// The cancel flag of the net that is prepared or runs on this thread.
 pub(super) fn cancel() -> Option<Cancel> {
     CANCEL.with_borrow(Clone::clone)
+}
+
+/// An error once the net that is prepared or runs on this thread was stopped.
+pub(super) fn stop() -> Result<(), Cancelled> {
+    cancel().map_or(Ok(()), |cancel| cancel.check())
 }
 
 /// A convolution of stride 1 and group 1 with constant weights; `[n, c, y, x]`, or `[n, c, v, y, x]` where the kernel

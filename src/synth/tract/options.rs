@@ -1,6 +1,7 @@
 //! How a net is to be run.
 
 use super::weights::SharedWeights;
+use crate::job::Cancel;
 use crate::kernel::Isa;
 
 /// Which code does the convolutions.
@@ -46,4 +47,6 @@ pub struct Options {
     pub threads: usize,
     /// Where packed weights are looked for before they are kept once more.
     pub weights: SharedWeights,
+    /// What stops the preparation, which takes seconds for large nets.
+    pub cancel: Cancel,
 }

@@ -57,6 +57,7 @@ fn picture(ui: &mut Ui, texture: &TextureHandle, name: &str) {
     let size = texture.size_vec2();
     let size = size * (SIDE / size.max_elem());
     ui.vertical(|ui| {
+        ui.set_max_width(SIDE);
         let (rect, response) = ui.allocate_exact_size(vec2(SIDE, size.y), Sense::hover());
         widgets::picture(
             ui.painter(),

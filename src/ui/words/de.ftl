@@ -294,7 +294,7 @@ view-at = Ansicht { $v }, { $u }
 view-step = u { $u }, v { $v }
 
 ## Which end of a map is near.
-near-end-title = Auf welchem Bild ist Nahes rot?
+near-end-title = Auf welchem Bild ist Nahes gelb?
 near-end-ask = { $name } sagt nicht, welches Ende der Werte nah ist. Klicken Sie auf das richtige Bild
 near-large = Große Werte sind nah
 near-small = Kleine Werte sind nah

@@ -294,7 +294,7 @@ view-at = View { $v }, { $u }
 view-step = u { $u }, v { $v }
 
 ## Which end of a map is near.
-near-end-title = Which one has near things in red?
+near-end-title = Which one has near things in yellow?
 near-end-ask = { $name } does not say which end of its values is near. Click the picture that is right
 near-large = Large values are near
 near-small = Small values are near

@@ -11,6 +11,7 @@ use tract_onnx::prelude::*;
 use tract_onnx::tract_core::internal::{bail, ensure};
 
 use super::location;
+use crate::synth::tract::op;
 
 /// Reads weights; those in half precision are widened on the way.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -41,6 +42,7 @@ impl ModelDataResolver for Outside {
         offset: usize,
         length: Option<usize>,
     ) -> TractResult<()> {
+        op::stop()?;
         let mut file = File::open(path)?;
         let whole = usize::try_from(file.metadata()?.len())?;
         let length = length.unwrap_or_else(|| whole.saturating_sub(offset));
