@@ -48,6 +48,7 @@ impl App {
         theme::install(ctx);
         let mut settings: Settings =
             storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
+        settings.language = options.language.clone().or(settings.language);
         settings.long_side = options.long_side.unwrap_or(settings.long_side);
         settings.source = settings.source.lasting();
         ctx.set_theme(settings.theme);

@@ -139,8 +139,9 @@ pub fn labelled(ui: &mut Ui, label: &str, field: impl FnOnce(&mut Ui)) {
     let weak = theme::palette(ui.ctx()).weak;
     ui.horizontal(|ui| {
         ui.set_min_height(26.0);
-        let (rect, _) = ui.allocate_exact_size(vec2(LABEL_WIDTH, 20.0), Sense::hover());
-        ui.painter().text(rect.left_center(), Align2::LEFT_CENTER, label, theme::text(), weak);
+        let galley = ui.painter().layout_no_wrap(label.to_owned(), theme::text(), weak);
+        let (rect, _) = ui.allocate_exact_size(vec2(LABEL_WIDTH.max(galley.size().x), 20.0), Sense::hover());
+        ui.painter().galley(Align2::LEFT_CENTER.anchor_size(rect.left_center(), galley.size()).min, galley, weak);
         field(ui);
     });
 }

@@ -141,7 +141,7 @@ impl Window {
         let pictures = render.map(FieldPictures::new);
         let (lenses, broken) = if remembers { known_lenses() } else { (published_lenses(), Vec::new()) };
         let (languages, unreadable) = words::all(remembers);
-        words::speak(words::best(&languages, options.language.as_deref().or(settings.language.as_deref())));
+        words::speak(words::best(&languages, settings.language.as_deref()));
         let mut toasts = Toasts::default();
         unreadable.into_iter().for_each(|fault| toasts.info(fault));
         broken.iter().for_each(|error| toasts.info(error.to_string()));

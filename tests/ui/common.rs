@@ -44,16 +44,29 @@ pub fn window_with_shelf(size: [f32; 2], shelf: Option<Shelf>) -> Window {
 
 /// An empty window, whose views will have this long side.
 fn window_of(size: [f32; 2], long_side: u32, shelf: Option<Shelf>, crashes: Option<PathBuf>) -> Window {
-    let options = Options {
+    with_options(size, Options { long_side: Some(long_side), shelf, crashes, ..usual() })
+}
+
+/// An empty window that speaks German.
+pub fn german_window(size: [f32; 2]) -> Window {
+    with_options(size, Options { language: Some("de".to_owned()), ..usual() })
+}
+
+/// How windows of tests are started: in English, whatever the system speaks.
+fn usual() -> Options {
+    Options {
         files: Vec::new(),
         models: ModelSource::Embedded,
-        shelf,
-        crashes,
-        long_side: Some(long_side),
+        shelf: None,
+        crashes: None,
+        long_side: Some(120),
         threads: 1,
         restores_last: false,
         language: Some("en".to_owned()),
-    };
+    }
+}
+
+fn with_options(size: [f32; 2], options: Options) -> Window {
     Harness::builder()
         .with_size(vec2(size[0], size[1]))
         .with_max_steps(16)

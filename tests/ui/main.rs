@@ -10,6 +10,7 @@ mod edits;
 mod faults;
 mod hints;
 mod keyboard;
+mod languages;
 mod looks;
 mod monkey;
 #[path = "../common/nets.rs"]

@@ -26,7 +26,6 @@ pub fn show(recent: &[PathBuf], thumbnails: &Thumbnails, ui: &mut Ui) -> Option<
     let mut action = None;
     let area = ui.max_rect().shrink(32.0);
     let colors = theme::palette(ui.ctx());
-    let ctx = ui.ctx().clone();
     dashed(ui, area);
     let recent = &recent[..recent.len().min(MOST_RECENT)];
     let height = 150.0 + if recent.is_empty() { 0.0 } else { 60.0 + CARD.y };
@@ -37,18 +36,7 @@ pub fn show(recent: &[PathBuf], thumbnails: &Thumbnails, ui: &mut Ui) -> Option<
         ui.add_space(6.0);
         ui.label(RichText::new(t!("empty-promise")).color(colors.weak));
         ui.add_space(20.0);
-        ui.horizontal(|ui| {
-            ui.add_space((ui.available_width() - 268.0).max(0.0) / 2.0);
-            if widgets::main_button(ui, t!("open")).on_hover_text(Command::Open.tip(&ctx)).clicked() {
-                action = Some(Action::Do(Command::Open));
-            }
-            if widgets::button(ui, t!("paste")).on_hover_text(Command::Paste.tip(&ctx)).clicked() {
-                action = Some(Action::Do(Command::Paste));
-            }
-            if widgets::button(ui, t!("try-sample")).on_hover_text(Command::OpenSample.tip(&ctx)).clicked() {
-                action = Some(Action::Do(Command::OpenSample));
-            }
-        });
+        action = ways_in(ui);
         if !recent.is_empty() {
             ui.add_space(28.0);
             ui.label(RichText::new(t!("recent")).font(theme::head()).color(colors.weak));
@@ -65,6 +53,26 @@ pub fn show(recent: &[PathBuf], thumbnails: &Thumbnails, ui: &mut Ui) -> Option<
                 }
             }
         });
+    });
+    action
+}
+
+/// Buttons in the middle.
+fn ways_in(ui: &mut Ui) -> Option<Action> {
+    let buttons = [(t!("open"), Command::Open), (t!("paste"), Command::Paste), (t!("try-sample"), Command::OpenSample)];
+    let (ctx, mut action) = (ui.ctx().clone(), None);
+    let text_width = |label: &str| ui.painter().layout_no_wrap(label.to_owned(), theme::text(), theme::AS_IS).size().x;
+    let spacing = ui.spacing();
+    let beside = 2.0 * spacing.button_padding.x * 3.0 + 2.0 * spacing.item_spacing.x;
+    let width = beside + buttons.iter().map(|(label, _)| text_width(label)).sum::<f32>();
+    ui.horizontal(|ui| {
+        ui.add_space((ui.available_width() - width).max(0.0) / 2.0);
+        for (label, command) in buttons {
+            let button = if command == Command::Open { widgets::main_button } else { widgets::button };
+            if button(ui, label).on_hover_text(command.tip(&ctx)).clicked() {
+                action = Some(Action::Do(command));
+            }
+        }
     });
     action
 }

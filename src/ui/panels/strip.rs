@@ -40,12 +40,15 @@ pub fn show(views: &Views, ui: &mut Ui) -> Vec<Action> {
     let top = rect.top() + 6.0;
     ui.painter().text(pos2(rect.left(), top), Align2::LEFT_CENTER, t!("views"), theme::head(), colors.weak);
     let text = t!("views-all", count = grid.count());
-    let all = Rect::from_min_max(pos2(rect.right() - 50.0, rect.top() - 4.0), pos2(rect.right(), rect.top() + 16.0));
+    let galley = ui.painter().layout_no_wrap(text, theme::small(), colors.weak);
+    let least = rect.right() - (galley.size().x + 4.0).max(50.0);
+    let all = Rect::from_min_max(pos2(least, rect.top() - 4.0), pos2(rect.right(), rect.top() + 16.0));
     let response =
         ui.interact(all, ui.scope_id().with("all_views"), Sense::click()).on_hover_cursor(CursorIcon::PointingHand);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, t!("all-views")));
     let color = if response.hovered() { colors.strong } else { colors.weak };
-    ui.painter().text(pos2(rect.right(), top), Align2::RIGHT_CENTER, text, theme::small(), color);
+    let at = Align2::RIGHT_CENTER.anchor_size(pos2(rect.right(), top), galley.size()).min;
+    ui.painter().galley_with_override_text_color(at, galley, color);
     if response.on_hover_text(Command::Views.tip(ui.ctx())).clicked() {
         actions.push(Action::Do(Command::Views));
     }

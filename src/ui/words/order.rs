@@ -1,9 +1,13 @@
 //! Texts that are read from right to left, in the order in which egui draws.
 //!
 //! egui shapes a run of one script rightly, but lays runs from left to right. So runs are given to it in the order in
-//! which they are seen; letters within a leftward run stay as they are spoken, as the shaper turns them.
+//! which they are seen; letters within a leftward run stay as they are spoken, as the shaper turns them. What is in order
+//! stands between isolates, which nobody sees, so that a sentence that it is put into leaves it alone.
 
-/// A text in one line as it is seen; lines stay one below the other.
+const OPEN: char = '\u{2066}';
+const CLOSE: char = '\u{2069}';
+
+/// A text as it is seen; lines stay one below the other.
 pub fn visual(text: &str) -> String {
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
@@ -13,41 +17,54 @@ enum Way {
     Leftward,
     Rightward,
     Neither,
+    /// In order already.
+    Ordered,
+}
+
+/// Letters that go the same way, and what is in order already.
+fn runs(text: &str) -> Vec<(Way, String)> {
+    let mut runs: Vec<(Way, String)> = Vec::new();
+    let mut depth = 0;
+    for letter in text.chars() {
+        let way = if depth > 0 || letter == OPEN { Way::Ordered } else { way_of(letter) };
+        let goes_on = if way == Way::Ordered { depth > 0 } else { way != Way::Neither };
+        match runs.last_mut() {
+            Some((last, run)) if *last == way && goes_on => run.push(letter),
+            _ => runs.push((way, letter.to_string())),
+        }
+        depth += i32::from(letter == OPEN) - i32::from(letter == CLOSE && depth > 0);
+    }
+    runs
 }
 
 fn line(text: &str) -> String {
-    let mut runs: Vec<(Way, String)> = Vec::new();
-    for letter in text.chars() {
-        match runs.last_mut() {
-            Some((way, run)) if *way == way_of(letter) && *way != Way::Neither => run.push(letter),
-            _ => runs.push((way_of(letter), letter.to_string())),
-        }
-    }
-    if runs.iter().all(|(way, _)| *way != Way::Leftward) {
+    let runs = runs(text);
+    if runs.iter().all(|(way, _)| matches!(way, Way::Rightward | Way::Neither)) {
         return text.to_owned();
     }
     // What stands between two rightward runs goes with them.
     let mut out = Vec::new();
     let mut i = 0;
     while i < runs.len() {
-        if runs[i].0 == Way::Rightward {
-            let last = last_rightward(&runs, i);
-            out.push(runs[i..=last].iter().map(|(_, run)| run.as_str()).collect());
-            i = last;
-        } else if runs[i].0 == Way::Neither {
-            out.push(runs[i].1.chars().map(mirrored).collect::<String>());
-        } else {
-            out.push(runs[i].1.clone());
+        let (way, run) = &runs[i];
+        match way {
+            Way::Rightward => {
+                let last = last_rightward(&runs, i);
+                out.push(runs[i..=last].iter().map(|(_, run)| run.as_str()).collect());
+                i = last;
+            }
+            Way::Neither => out.push(run.chars().map(mirrored).collect::<String>()),
+            Way::Leftward | Way::Ordered => out.push(run.clone()),
         }
         i += 1;
     }
     out.reverse();
-    out.concat()
+    format!("{OPEN}{}{CLOSE}", out.concat())
 }
 
 /// The last of the rightward runs that begin at `i`, with no leftward one between.
 fn last_rightward(runs: &[(Way, String)], i: usize) -> usize {
-    let rest = runs[i..].iter().take_while(|(way, _)| *way != Way::Leftward).enumerate();
+    let rest = runs[i..].iter().take_while(|(way, _)| matches!(way, Way::Rightward | Way::Neither)).enumerate();
     i + rest.filter(|(_, (way, _))| *way == Way::Rightward).map(|(k, _)| k).last().unwrap_or(0)
 }
 
@@ -74,15 +91,25 @@ fn mirrored(letter: char) -> char {
 mod tests {
     use super::*;
 
+    fn seen(text: &str) -> String {
+        visual(text).replace([OPEN, CLOSE], "")
+    }
+
     #[test]
     fn words_go_leftward_and_numbers_stay() {
-        assert_eq!(visual("שלום עולם"), "עולם שלום", "the first word is drawn last");
-        assert_eq!(visual("רוחב 4032 px (גדול)."), ".(גדול) 4032 px רוחב");
+        assert_eq!(seen("שלום עולם"), "עולם שלום", "the first word is drawn last");
+        assert_eq!(seen("רוחב 4032 px (גדול)."), ".(גדול) 4032 px רוחב");
         assert_eq!(visual("f/3.5"), "f/3.5");
     }
 
     #[test]
     fn letters_of_a_word_are_left_to_the_shaper() {
-        assert_eq!(visual("العدسة"), "العدسة");
+        assert_eq!(seen("العدسة"), "العدسة");
+    }
+
+    #[test]
+    fn what_is_in_order_stays_so_within_a_sentence() {
+        let part = visual("שלום עולם");
+        assert_eq!(seen(&format!("רוחב {part} 3.5")), "3.5 עולם שלום רוחב");
     }
 }
