@@ -1,7 +1,7 @@
 //! Every command of the menu, in one list: it gives the menu, the shortcut sheet and the tool tips.
 
-use super::words::{Id, id};
-use egui::{Key, KeyboardShortcut, Modifiers};
+use super::words::{Id, id, t};
+use egui::{Key, KeyboardShortcut, ModifierNames, Modifiers};
 
 /// One thing to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -251,9 +251,35 @@ impl Command {
     pub fn tip(self, ctx: &egui::Context) -> String {
         let spec = self.spec();
         match spec.shortcut {
-            Some(keys) => format!("{}  {}", spec.hint(), ctx.format_shortcut(&keys)),
+            Some(keys) => format!("{}  {}", spec.hint(), spelled(&keys, ctx)),
             None => spec.hint().to_owned(),
         }
+    }
+}
+
+/// A shortcut as the keyboard of the language names it; a Mac's has signs.
+pub fn spelled(keys: &KeyboardShortcut, ctx: &egui::Context) -> String {
+    if ctx.os().is_mac() {
+        return ctx.format_shortcut(keys);
+    }
+    let names = ModifierNames { ctrl: t!("key-ctrl"), shift: t!("key-shift"), ..ModifierNames::NAMES };
+    let (modifiers, key) = (names.format(&keys.modifiers, false), name(keys.logical_key));
+    if modifiers.is_empty() { key.to_owned() } else { format!("{modifiers}{}{key}", names.concat) }
+}
+
+fn name(key: Key) -> &'static str {
+    match key {
+        Key::ArrowLeft => t!("key-left"),
+        Key::ArrowRight => t!("key-right"),
+        Key::ArrowUp => t!("key-up"),
+        Key::ArrowDown => t!("key-down"),
+        Key::Escape => t!("key-escape"),
+        Key::Home => t!("key-home"),
+        Key::PageUp => t!("key-page-up"),
+        Key::PageDown => t!("key-page-down"),
+        Key::Comma => t!("key-comma"),
+        Key::Period => t!("key-period"),
+        _ => key.name(),
     }
 }
 

@@ -3,7 +3,7 @@
 use egui::{Align2, Context, RichText, Sense, Ui, vec2};
 
 use crate::ui::action::Action;
-use crate::ui::command::{Command, MOUSE, SHEET};
+use crate::ui::command::{self, Command, MOUSE, SHEET};
 use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
@@ -28,7 +28,7 @@ pub fn show(ctx: &Context) -> Vec<Action> {
                         for command in Command::of_group(group) {
                             let spec = command.spec();
                             if let Some(keys) = spec.shortcut {
-                                line(&mut columns[column], spec.label(), &ctx.format_shortcut(&keys));
+                                line(&mut columns[column], spec.label(), &command::spelled(&keys, ctx));
                             }
                         }
                     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::{Align, Layout, Rect, RichText, Ui, UiBuilder, pos2, vec2};
 
 use crate::ui::action::Action;
-use crate::ui::command::Command;
+use crate::ui::command::{self, Command};
 use crate::ui::document::Document;
 use crate::ui::jobs::OpenFrom;
 use crate::ui::look::{Face, Look};
@@ -143,7 +143,7 @@ fn commands(possible: &[Command], ui: &mut Ui, group: Id) -> Option<Action> {
         let spec = command.spec();
         let mut button = egui::Button::new(spec.label());
         if let Some(keys) = spec.shortcut {
-            button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+            button = button.shortcut_text(command::spelled(&keys, ui.ctx()));
         }
         if ui.add_enabled(possible.contains(&command), button).on_hover_text(spec.hint()).clicked() {
             chosen = Some(Action::Do(command));

@@ -662,6 +662,20 @@ command-serpentine = To and fro
 command-shortcuts = Shortcuts
     .hint = All keys and what the mouse does
 
+## Keys that have names.
+key-ctrl = Ctrl
+key-shift = Shift
+key-left = Left
+key-right = Right
+key-up = Up
+key-down = Down
+key-escape = Escape
+key-home = Home
+key-page-up = PageUp
+key-page-down = PageDown
+key-comma = Comma
+key-period = Period
+
 ## What the mouse does.
 mouse-drag = Drag the picture
     .hint = Look round
@@ -896,6 +910,7 @@ heard-adopt-write = the net was not added — { $why } — make room, or check t
 
 # Which depth is used.
 heard-no-own-depth = This photo has no depth of its own, so the network's is used
+heard-no-phone-depth = This photo has no depth of its own, so the network's depth is used
 heard-no-own-map = There is no map for this photo, so the network's depth is used
 heard-no-depth = { $what }, so the network's depth is used
 heard-automatic = { $why } — the automatic choice is used

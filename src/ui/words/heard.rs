@@ -2,6 +2,7 @@
 //! with `heard-`, is recognised by that, and said in the language of the window. What is not known stays as it is.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
@@ -31,34 +32,59 @@ static PHRASES: LazyLock<Phrases> = LazyLock::new(|| {
     Phrases { whole, with_holes }
 });
 
+/// Sentences that are kept, so that what is drawn in each frame is recognised once.
+const MOST_SAID: usize = 256;
+
+thread_local! {
+    /// What was said last, by the language's tag and the library's words.
+    static SAID: RefCell<HashMap<(String, String), String>> = RefCell::default();
+}
+
 /// What the library says, in the language of the window.
 pub fn heard(text: &str) -> Cow<'_, str> {
     if std::ptr::eq(spoken(), Language::english()) {
         return Cow::Borrowed(text);
     }
-    match PHRASES.whole.get(text) {
-        Some(id) => Cow::Borrowed(super::text(id)),
-        None => Cow::Owned(Message::heard(text).text()),
-    }
-}
-
-/// Whether a sentence, or what stands before a path or a cause, is one of them.
-#[cfg(test)]
-pub fn is_known(text: &str) -> bool {
-    recognised(text).is_some() || parts(text).any(|(head, _)| recognised(head).is_some())
-}
-
-/// The text with this id that a sentence is, and what stands in its holes.
-pub(super) fn recognised(text: &str) -> Option<(&'static str, Vec<(&'static str, Argument)>)> {
     if let Some(id) = PHRASES.whole.get(text) {
-        return Some((id, Vec::new()));
+        return Cow::Borrowed(super::text(id));
     }
-    PHRASES.with_holes.iter().find_map(|(id, pieces)| Some((*id, filled(pieces, text)?)))
+    SAID.with_borrow_mut(|said| {
+        if said.len() >= MOST_SAID {
+            said.clear();
+        }
+        let say = || Message::heard(text).text();
+        Cow::Owned(said.entry((spoken().tag().to_owned(), text.to_owned())).or_insert_with(say).clone())
+    })
 }
 
-/// A sentence, and what stands behind its last colons: a path, or the cause.
-pub(super) fn parts(text: &str) -> impl Iterator<Item = (&str, &str)> {
-    text.rmatch_indices(": ").map(|(at, colon)| (&text[..at], &text[at + colon.len()..]))
+/// A text of ours that a sentence is.
+pub(super) struct Recognised<'a> {
+    /// Its id.
+    pub id: &'static str,
+    /// What stands in its holes.
+    pub arguments: Vec<(&'static str, Argument)>,
+    /// What stands behind it: a path, or the cause.
+    pub tail: Option<&'a str>,
+    known: usize,
+}
+
+/// The text of ours of which most is in a sentence, up to its end or to one of its colons.
+pub(super) fn recognised(text: &str) -> Option<Recognised<'_>> {
+    let colons = text.rmatch_indices(": ").map(|(at, colon)| (&text[..at], Some(&text[at + colon.len()..])));
+    let all = std::iter::once((text, None)).chain(colons).filter_map(|(head, tail)| {
+        let (id, arguments, known) = whole(head)?;
+        Some(Recognised { id, arguments, tail, known })
+    });
+    // Of equals the first, of which nothing is left over.
+    all.reduce(|best, next| if next.known > best.known { next } else { best })
+}
+
+/// The text that a sentence is, what stands in its holes, and how much of it is known.
+fn whole(text: &str) -> Option<(&'static str, Vec<(&'static str, Argument)>, usize)> {
+    if let Some(id) = PHRASES.whole.get(text) {
+        return Some((id, Vec::new(), text.len()));
+    }
+    PHRASES.with_holes.iter().find_map(|(id, pieces)| Some((*id, filled(pieces, text)?, known_length(pieces))))
 }
 
 fn known_length(pieces: &[Piece]) -> usize {

@@ -109,29 +109,19 @@ fn formatted(language: &Language, id: &str, given: &[(&'static str, Argument)]) 
 
 /// What the library said, with its path or its cause behind it.
 fn translated(language: &Language, text: &str) -> String {
-    if let Some((id, arguments)) = heard::recognised(text) {
-        return formatted(language, id, &arguments);
-    }
-    let known = heard::parts(text).find_map(|(head, tail)| Some((heard::recognised(head)?, tail)));
-    match known {
-        Some(((id, arguments), tail)) => {
-            format!("{}: {}", formatted(language, id, &arguments), translated(language, tail))
-        }
-        None => listed(language, text).unwrap_or_else(|| text.to_owned()),
-    }
+    let Some(known) = heard::recognised(text) else {
+        return listed(language, text).unwrap_or_else(|| text.to_owned());
+    };
+    let said = formatted(language, known.id, &known.arguments);
+    known.tail.map_or(said.clone(), |tail| format!("{said}: {}", translated(language, tail)))
 }
 
 /// Several things that the library names one after the other.
 fn listed(language: &Language, text: &str) -> Option<String> {
     let separator = [", ", " + "].into_iter().find(|separator| text.contains(separator))?;
-    let parts: Vec<_> = text.split(separator).map(|part| (part, heard::recognised(part))).collect();
-    parts.iter().any(|(_, known)| known.is_some()).then(|| {
-        let said = |(part, known): &(&str, Option<(&'static str, Vec<_>)>)| match known {
-            Some((id, arguments)) => formatted(language, id, arguments),
-            None => (*part).to_owned(),
-        };
-        parts.iter().map(said).collect::<Vec<_>>().join(separator)
-    })
+    let parts: Vec<_> = text.split(separator).collect();
+    let is_known = parts.iter().any(|part| heard::recognised(part).is_some());
+    is_known.then(|| parts.iter().map(|part| translated(language, part)).collect::<Vec<_>>().join(separator))
 }
 
 impl Argument {
