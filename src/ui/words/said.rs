@@ -5,7 +5,7 @@ use std::path::Path;
 use fluent_bundle::types::{FluentNumber, FluentNumberOptions};
 use fluent_bundle::{FluentArgs, FluentValue};
 
-use super::{Language, heard, order, spoken, text};
+use super::{Language, SPOKEN, heard, order, spoken, text};
 
 /// The id of a text without arguments, in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -83,9 +83,12 @@ impl Message {
         if language.is_leftward() { order::visual(&text) } else { text }
     }
 
-    /// In English, as logs and reports are.
+    /// In English with its numbers, as logs are.
     pub fn in_english(&self) -> String {
-        self.logical(Language::english())
+        let spoken = SPOKEN.replace(None);
+        let text = self.logical(Language::english());
+        SPOKEN.set(spoken);
+        text
     }
 
     /// In the order in which it is spoken.

@@ -248,6 +248,7 @@ fn german_counts_and_writes_numbers_as_germans_do() {
     assert_eq!(heard("focus at 1.25 m · sharp from 65 cm on"), "Fokus auf 1,25 m · scharf ab 65 cm");
     assert_eq!(Message::heard("words of nobody here").text(), "words of nobody here");
     assert_eq!(Message::heard(cause).in_english(), cause);
+    assert_eq!(message!("seconds", secs = fixed(3.25, 1)).in_english(), "3.2 s");
     assert_eq!(message!("saved", name = "a.jpg").text(), "a.jpg gespeichert");
     speak(Language::english());
     assert_eq!(Message::heard(cause).text(), cause, "English stays as the library says it");
