@@ -17,6 +17,8 @@ const MOST_RECENT: usize = 5;
 /// A recent file's picture with its name under it.
 const CARD: Vec2 = vec2(128.0, 108.0);
 const GAP: f32 = 12.0;
+/// Least width of the buttons.
+const BUTTONS_WIDTH: f32 = 268.0;
 
 /// Small pictures of recent files.
 pub type Thumbnails = [(PathBuf, TextureHandle)];
@@ -66,7 +68,7 @@ fn ways_in(ui: &mut Ui) -> Option<Action> {
     let beside = 2.0 * spacing.button_padding.x * 3.0 + 2.0 * spacing.item_spacing.x;
     let width = beside + buttons.iter().map(|(label, _)| text_width(label)).sum::<f32>();
     ui.horizontal(|ui| {
-        ui.add_space((ui.available_width() - width).max(0.0) / 2.0);
+        ui.add_space((ui.available_width() - width.max(BUTTONS_WIDTH)).max(0.0) / 2.0);
         for (label, command) in buttons {
             let button = if command == Command::Open { widgets::main_button } else { widgets::button };
             if button(ui, label).on_hover_text(command.tip(&ctx)).clicked() {
