@@ -57,12 +57,15 @@ pub fn heard(text: &str) -> Cow<'_, str> {
     })
 }
 
+/// What stands in a text, by its names.
+type Holes = Vec<(&'static str, Argument)>;
+
 /// A text of ours that a sentence is.
 pub(super) struct Recognised<'a> {
     /// Its id.
     pub id: &'static str,
     /// What stands in its holes.
-    pub arguments: Vec<(&'static str, Argument)>,
+    pub arguments: Holes,
     /// What stands behind it: a path, or the cause.
     pub tail: Option<&'a str>,
     known: usize,
@@ -80,7 +83,7 @@ pub(super) fn recognised(text: &str) -> Option<Recognised<'_>> {
 }
 
 /// The text that a sentence is, what stands in its holes, and how much of it is known.
-fn whole(text: &str) -> Option<(&'static str, Vec<(&'static str, Argument)>, usize)> {
+fn whole(text: &str) -> Option<(&'static str, Holes, usize)> {
     if let Some(id) = PHRASES.whole.get(text) {
         return Some((id, Vec::new(), text.len()));
     }
@@ -92,7 +95,7 @@ fn known_length(pieces: &[Piece]) -> usize {
 }
 
 /// What stands in the holes, if all between them is as it should be.
-fn filled(pieces: &'static [Piece], mut text: &str) -> Option<Vec<(&'static str, Argument)>> {
+fn filled(pieces: &'static [Piece], mut text: &str) -> Option<Holes> {
     let mut holes = Vec::new();
     let mut open: Option<&'static str> = None;
     for (i, piece) in pieces.iter().enumerate() {
