@@ -91,7 +91,7 @@ impl Team {
         Self { shared, turn: Mutex::default() }
     }
 
-    /// Runs `job` with this thread as the leader: what it does [`each`] of, the team does. Where another thread leads
+    /// Runs `job` with this thread as the leader: what it does `each` of, the team does. Where another thread leads
     /// already, the job runs without.
     pub fn lead<R>(&self, job: impl FnOnce() -> R) -> R {
         let _turn = match self.turn.try_lock() {

@@ -1,7 +1,7 @@
 //! What the window says, in the language that is chosen. Texts stand in `en.ftl` and `de.ftl` by their ids, and nowhere else.
 //!
-//! [`t!`] says one at once. What comes from threads, or stays on the screen, is a [`Message`], which knows no language
-//! until it is shown. What the library says in English is recognised ([`heard()`]). The window's thread holds the language;
+//! `t!` says one at once. What comes from threads, or stays on the screen, is a [`Message`], which knows no language
+//! until it is shown. What the library says in English is recognised ([`heard`](heard())). The window's thread holds the language;
 //! other threads never say anything themselves.
 
 mod choice;
