@@ -468,7 +468,7 @@ pub struct Export {
 /// Arguments of `batch`.
 #[derive(Debug, Args)]
 pub struct Batch {
-    /// The photos
+    /// The photos, or folders of them
     #[arg(required_unless_present = "files_from", value_name = "INPUT")]
     pub inputs: Vec<PathBuf>,
     /// Take the photos that this list names, one a line; - is the standard input

@@ -9,7 +9,7 @@ use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
 
 use super::open::{open_content, read_file};
 use super::raster::{self, Raster, Samples};
-use super::{OpenError, Opened, PhotoFile, Problem, folder, jpeg_parts};
+use super::{OpenError, Opened, PhotoFile, Problem, folder, formats, jpeg_parts};
 use crate::field::{Photo, Size};
 use crate::job::Job;
 
@@ -38,6 +38,13 @@ pub fn listed(paths: &[PathBuf]) -> Result<Vec<PathBuf>, OpenError> {
         }
     }
     Ok(all)
+}
+
+/// The photos of a folder in natural order; none where the path is no folder, is a light field, or has no pictures.
+pub fn folder_of_photos(path: &Path, job: &Job) -> Option<Vec<PathBuf>> {
+    let is_plain = path.is_dir() && matches!(formats::read_folder(path, job), Ok(None));
+    let found = is_plain.then(|| folder::pictures(path).ok()).flatten();
+    found.filter(|found| !found.is_empty())
 }
 
 /// Whether a file may hold several pictures, by its name.

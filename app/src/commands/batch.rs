@@ -18,7 +18,7 @@ use crate::output::{say, write_out};
 /// Runs all of them, then says how it went.
 pub fn run(args: &Batch, job: &Job) -> Result<()> {
     let order = order(args)?;
-    let inputs = inputs(args)?;
+    let inputs = batch::all_photos(&inputs(args)?, job);
     let report = args.report.as_deref().map(|path| open_report(path, args.resume)).transpose()?;
     let tell = |line: &Line| {
         let text = format!("{}\n", serde_json::to_string(line)?);

@@ -175,6 +175,24 @@ fn photos_are_taken_from_a_list_too() {
 }
 
 #[test]
+fn a_folder_stands_for_its_photos_unless_it_is_a_light_field() {
+    let mut work = Work::of(0, 48);
+    fs::create_dir(work.dir.path("scans")).unwrap();
+    for name in ["a", "b", "c"] {
+        work.dir.photo(&format!("scans/{name}.png"), 48, 32);
+    }
+    let single = work.dir.photo("single.png", 48, 32);
+    let field = work.dir.arg("field");
+    plenoscope(&["synth", &single, "--disparity", &work.dir.arg("map.pfm"), "--no-cache", "-o", &field])
+        .assert()
+        .success();
+    work.photos = vec![work.dir.arg("scans"), field];
+    work.run(&[]).success().stdout(contains("4 made"));
+    let names: Vec<_> = work.pictures().iter().map(|path| path.file_name().unwrap().to_owned()).collect();
+    assert_eq!(names, ["a-f2.jpg", "b-f2.jpg", "c-f2.jpg", "field-f2.jpg"]);
+}
+
+#[test]
 fn what_cannot_be_a_part_is_wrong_usage() {
     let work = Work::of(1, 48);
     for part in ["0/3", "4/3", "x", "1/0"] {

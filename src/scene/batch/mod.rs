@@ -15,7 +15,7 @@ use super::Maker;
 use super::export::{Existing, FileExport, Settings, Written};
 use crate::aside::parent;
 use crate::errors::sentence;
-use crate::io::save;
+use crate::io::{save, several};
 use crate::job::{Job, Progress, Sink, Stage};
 use journal::Journal;
 use order::Place;
@@ -36,6 +36,12 @@ enum Outcome {
     Met(PathBuf),
     Failed(String),
     Stopped,
+}
+
+/// What a batch works through: a folder that is no light field stands for its photos.
+pub fn all_photos(inputs: &[PathBuf], job: &Job) -> Vec<PathBuf> {
+    let photos = |path: &PathBuf| several::folder_of_photos(path, job).unwrap_or_else(|| vec![path.clone()]);
+    inputs.iter().flat_map(photos).collect()
 }
 
 /// Runs every photo of the order's part through the recipe.
