@@ -22,6 +22,8 @@ pub enum Stage {
     Flow,
     /// Direct regression: the 64 views themselves (a comparison of the paper's).
     Regression,
+    /// Views from the four corners: a disparity net, then a colour net (a comparison of the paper's).
+    Corners,
 }
 
 /// Starting points. Flags given beside a preset win over it.
@@ -292,6 +294,7 @@ impl Config {
             Stage::Occlusion => Arch::Occlusion,
             Stage::Flow => Arch::AppearanceFlow,
             Stage::Regression => Arch::DirectRegression,
+            Stage::Corners => Arch::CornerDisparity,
         }
     }
 

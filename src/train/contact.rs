@@ -9,10 +9,12 @@ use crate::eval::{Rgb, warp};
 use crate::nets::{REFERENCE, SIDE, VIEWS};
 use crate::scenes::raster::Raster;
 use crate::scenes::steps;
-use crate::{step, view_step};
+use crate::step;
 
 /// Height in pixels of a view's line in an epipolar image.
 const LINE_PX: usize = 8;
+/// A view of the upper rim that is no corner: corners may be given.
+const RIM: usize = 3;
 /// Rows of a sheet, at most.
 const ROWS: usize = 8;
 
@@ -49,15 +51,16 @@ pub fn occlusion_rows(
     Ok((0..maps.samples.min(ROWS)).map(|n| vec![view(batch, n, 0), of(&rendered, n), of(&full, n)]).collect())
 }
 
-/// The photo, a true outermost view, and what a net without ray depths makes of it, one row a sample.
-pub fn view_rows(net: &Checkpoint, batch: &Batch, config: &Config) -> Result<Vec<Vec<Rgb>>, TrainError> {
+/// The photo, a true view of the upper rim, and what a method without the photo's ray depths made of it (`made`, `[n, v, 3, h, w]`
+/// in 0 … 1), one row a sample.
+pub fn view_rows(batch: &Batch, made: &[f32]) -> Vec<Vec<Rgb>> {
     let maps = &batch.maps;
-    let made = view_step::infer(net, batch, config)?;
+    let rim = RIM.min(maps.views.len() - 1);
     let row = |n: usize| {
-        let own = raster(&made[n * maps.views.len() * 3 * maps.plane()..], maps.width, maps.height);
-        vec![view(batch, n, maps.reference()), view(batch, n, 0), own]
+        let own = raster(&made[(n * maps.views.len() + rim) * 3 * maps.plane()..], maps.width, maps.height);
+        vec![view(batch, n, maps.reference()), view(batch, n, rim), own]
     };
-    Ok((0..maps.samples.min(ROWS)).map(row).collect())
+    (0..maps.samples.min(ROWS)).map(row).collect()
 }
 
 /// The epipolar image of the middle row, its views rendered from the photo.

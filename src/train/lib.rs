@@ -5,6 +5,7 @@ pub mod bench;
 pub mod checkpoint;
 pub mod config;
 pub mod contact;
+pub mod corners;
 pub mod curves;
 pub mod data;
 mod error;

@@ -14,6 +14,7 @@ use crate::batch::{Batch, Draw, Loader};
 use crate::checkpoint::{Checkpoint, Moments};
 use crate::config::{Config, Stage};
 use crate::contact;
+use crate::corners;
 use crate::curves;
 use crate::eval::sheet;
 use crate::files;
@@ -28,6 +29,10 @@ pub const CONFIG_FILE: &str = "config.json";
 pub const DEPTH_FILE: &str = "depth.safetensors";
 /// File of a net that gives views without ray depths.
 pub const VIEWS_FILE: &str = "views.safetensors";
+/// File of a net of ray depths between four corners.
+pub const CORNER_DEPTH_FILE: &str = "corner-disparity.safetensors";
+/// File of the net that corrects the corners' colours.
+pub const CORNER_COLOUR_FILE: &str = "corner-colour.safetensors";
 /// File of a run's occlusion net.
 pub const OCCLUSION_FILE: &str = "occlusion.safetensors";
 /// File of a run's metrics, one JSON object a line.
@@ -41,9 +46,10 @@ const TILE_PX: usize = 160;
 
 /// The nets of a run.
 pub struct Nets {
-    /// The net that looks at the photo: of ray depths, or of what the paper compares them with.
-    depth: Option<Checkpoint>,
-    occlusion: Option<Checkpoint>,
+    /// The net that comes first: of ray depths, or of what the paper compares them with.
+    first: Option<Checkpoint>,
+    /// The net that corrects what is rendered with it.
+    second: Option<Checkpoint>,
 }
 
 impl Nets {
@@ -60,65 +66,75 @@ impl Nets {
                 if config.tie {
                     net.weights.tie_views();
                 }
-                Ok(Self { depth: Some(net), occlusion: None })
+                Ok(Self { first: Some(net), second: None })
             }
             Stage::Occlusion => {
                 let depth = config.depth_from.as_ref().map(|path| load(path, Task::Depth)).transpose()?;
-                Ok(Self { depth, occlusion: Some(open(&config.init, Arch::Occlusion)?) })
+                Ok(Self { first: depth, second: Some(open(&config.init, Arch::Occlusion)?) })
             }
             Stage::Joint => Ok(Self {
-                depth: Some(open(&config.depth_from, config.net)?),
-                occlusion: Some(open(&config.init, Arch::Occlusion)?),
+                first: Some(open(&config.depth_from, config.net)?),
+                second: Some(open(&config.init, Arch::Occlusion)?),
+            }),
+            Stage::Corners => Ok(Self {
+                first: Some(open(&config.init, config.main_net())?),
+                second: Some(Checkpoint::new(Arch::CornerColour, config.seed)),
             }),
         }
     }
 
     /// The nets of a run's folder, to go on with.
     pub fn resume(config: &Config, folder: &Path) -> Result<Self, TrainError> {
-        let photo = || load(&folder.join(photo_file(config.stage)), config.main_net().task());
-        let occlusion = || load(&folder.join(OCCLUSION_FILE), Task::Occlusion);
+        let first = || load(&folder.join(first_file(config.stage)), config.main_net().task());
+        let second = |task: Task| load(&folder.join(second_file(config.stage)), task);
         match config.stage {
-            Stage::Depth | Stage::Flow | Stage::Regression => Ok(Self { depth: Some(photo()?), occlusion: None }),
+            Stage::Depth | Stage::Flow | Stage::Regression => Ok(Self { first: Some(first()?), second: None }),
             Stage::Occlusion => {
                 let depth = config.depth_from.as_ref().map(|path| load(path, Task::Depth)).transpose()?;
-                Ok(Self { depth, occlusion: Some(occlusion()?) })
+                Ok(Self { first: depth, second: Some(second(Task::Occlusion)?) })
             }
-            Stage::Joint => Ok(Self { depth: Some(photo()?), occlusion: Some(occlusion()?) }),
+            Stage::Joint => Ok(Self { first: Some(first()?), second: Some(second(Task::Occlusion)?) }),
+            Stage::Corners => Ok(Self { first: Some(first()?), second: Some(second(Task::CornerColour)?) }),
         }
     }
 
-    /// The net that looks at the photo, and the occlusion net, as far as the run has them.
+    /// The net that comes first, and the one that corrects what is rendered with it, as far as the run has them.
     pub fn pair(&self) -> [Option<&Checkpoint>; 2] {
-        [self.depth.as_ref(), self.occlusion.as_ref()]
+        [self.first.as_ref(), self.second.as_ref()]
     }
 
     /// The net whose progress is the run's.
     pub fn main(&self, stage: Stage) -> Option<&Checkpoint> {
-        if stage == Stage::Occlusion { self.occlusion.as_ref() } else { self.depth.as_ref() }
+        if stage == Stage::Occlusion { self.second.as_ref() } else { self.first.as_ref() }
     }
 
     fn trained(&mut self, stage: Stage) -> impl Iterator<Item = &mut Checkpoint> {
-        let depth = if stage == Stage::Occlusion { None } else { self.depth.as_mut() };
-        depth.into_iter().chain(self.occlusion.as_mut())
+        let first = if stage == Stage::Occlusion { None } else { self.first.as_mut() };
+        first.into_iter().chain(self.second.as_mut())
     }
 
     fn save(&self, config: &Config) -> Result<(), TrainError> {
-        if let (Some(net), true) = (&self.depth, config.stage != Stage::Occlusion) {
-            net.save(&config.out.join(photo_file(config.stage)), Moments::Exact)?;
+        if let (Some(net), true) = (&self.first, config.stage != Stage::Occlusion) {
+            net.save(&config.out.join(first_file(config.stage)), Moments::Exact)?;
         }
-        if let Some(net) = &self.occlusion {
-            net.save(&config.out.join(OCCLUSION_FILE), Moments::Exact)?;
+        if let Some(net) = &self.second {
+            net.save(&config.out.join(second_file(config.stage)), Moments::Exact)?;
         }
         Ok(())
     }
 
     /// Writes what the nets make of a batch beside the checkpoint.
     fn draw(&self, batch: &Batch, config: &Config) -> Result<(), TrainError> {
-        let rows = match (config.stage, &self.depth, &self.occlusion) {
+        let rows = match (config.stage, &self.first, &self.second) {
             (Stage::Occlusion, depth, Some(net)) => {
                 contact::occlusion_rows(net, batch, &depths(depth.as_ref(), batch, config)?, config)?
             }
-            (Stage::Flow | Stage::Regression, Some(net), _) => contact::view_rows(net, batch, config)?,
+            (Stage::Flow | Stage::Regression, Some(net), _) => {
+                contact::view_rows(batch, &view_step::infer(net, batch, config)?)
+            }
+            (Stage::Corners, Some(first), Some(second)) => {
+                contact::view_rows(batch, &corners::infer([first, second], batch, config)?.0)
+            }
             (_, Some(net), _) => contact::depth_rows(net, batch, config)?,
             _ => return Ok(()),
         };
@@ -127,9 +143,10 @@ impl Nets {
     }
 
     fn step(&mut self, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
-        match (config.stage, &mut self.depth, &mut self.occlusion) {
+        match (config.stage, &mut self.first, &mut self.second) {
             (Stage::Depth, Some(net), _) => step::depth_step(net, &net.arch.graph(), batch, config, done),
             (Stage::Flow | Stage::Regression, Some(net), _) => view_step::step(net, batch, config, done),
+            (Stage::Corners, Some(first), Some(second)) => corners::step([first, second], batch, config, done),
             (Stage::Occlusion, depth, Some(net)) => {
                 let depths = depths(depth.as_ref(), batch, config)?;
                 step::occlusion_step(net, &net.arch.graph(), batch, &depths, config, done)
@@ -145,13 +162,23 @@ impl Nets {
 
 /// Whether a run's folder has the checkpoints to go on from.
 pub fn is_saved(config: &Config) -> bool {
-    let occlusion = config.stage != Stage::Joint || config.out.join(OCCLUSION_FILE).exists();
-    occlusion && config.out.join(photo_file(config.stage)).exists()
+    let has_two = matches!(config.stage, Stage::Joint | Stage::Corners);
+    let second = !has_two || config.out.join(second_file(config.stage)).exists();
+    second && config.out.join(first_file(config.stage)).exists()
 }
 
-/// File of the net that looks at the photo.
-fn photo_file(stage: Stage) -> &'static str {
-    if matches!(stage, Stage::Flow | Stage::Regression) { VIEWS_FILE } else { DEPTH_FILE }
+/// File of the net that comes first.
+fn first_file(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Flow | Stage::Regression => VIEWS_FILE,
+        Stage::Corners => CORNER_DEPTH_FILE,
+        Stage::Depth | Stage::Occlusion | Stage::Joint => DEPTH_FILE,
+    }
+}
+
+/// File of the net that corrects what is rendered with it.
+fn second_file(stage: Stage) -> &'static str {
+    if stage == Stage::Corners { CORNER_COLOUR_FILE } else { OCCLUSION_FILE }
 }
 
 /// A checkpoint of a net that does what is wanted.

@@ -24,6 +24,10 @@ const LAST: &str = "last";
 pub const RANGE_PX: f32 = 4.0;
 /// Largest flow in px: what that ray depth moves the outermost view by.
 pub const FLOW_RANGE_PX: f32 = 16.0;
+/// Largest ray depth between four corners in px per view step: 14 px from one corner to the next.
+pub const CORNER_RANGE_PX: f32 = 2.0;
+/// Ray depths that corners are compared at, over that range: 0.6 px from one to the next at a corner.
+pub const CORNER_LEVELS: usize = 48;
 
 /// The architectures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -46,6 +50,12 @@ pub enum Arch {
     /// The same layers with the colours of the 64 views as their result (the paper, §6).
     #[value(skip)]
     DirectRegression,
+    /// Ray depth of a view from how far the four corners agree about it (class of Kalantari et al. 2016).
+    #[value(skip)]
+    CornerDisparity,
+    /// What is to be added to the blend of the four corners as that view sees them.
+    #[value(skip)]
+    CornerColour,
 }
 
 /// What a net says.
@@ -59,6 +69,10 @@ pub enum Task {
     Flow,
     /// The views themselves.
     Views,
+    /// The ray depths of one view between corners.
+    CornerDepth,
+    /// The colours of one view between corners.
+    CornerColour,
 }
 
 impl Task {
@@ -69,6 +83,8 @@ impl Task {
             Self::Occlusion => "the occlusion net",
             Self::Flow => "an appearance-flow net",
             Self::Views => "a net that regresses views",
+            Self::CornerDepth => "a disparity net of four corners",
+            Self::CornerColour => "a colour net of four corners",
         }
     }
 }
@@ -217,6 +233,16 @@ fn occlusion() -> Graph {
     net.finish(Arch::Occlusion, 3, 1)
 }
 
+/// Either net between four corners: few layers, as what tells is in each place's own features.
+fn corners(arch: Arch, inputs: usize, outputs: usize, scale: f32) -> Graph {
+    let mut net = Builder::new(inputs);
+    for (i, (width, dilation)) in [(64, 1), (64, 2), (64, 4), (32, 1)].into_iter().enumerate() {
+        net.conv(&format!("conv{i}"), width, dilation, End::NormElu);
+    }
+    net.conv(LAST, outputs, 1, End::Tanh { scale });
+    net.finish(arch, 2, 1)
+}
+
 impl Arch {
     /// The net's graph.
     pub fn graph(self) -> Graph {
@@ -225,6 +251,9 @@ impl Arch {
             Self::PaperYx => paper(self, 5, RANGE_PX),
             Self::AppearanceFlow => paper(self, 3, FLOW_RANGE_PX),
             Self::DirectRegression => paper(self, 3, 1.0),
+            Self::CornerDisparity => corners(self, 2 * CORNER_LEVELS, 1, CORNER_RANGE_PX),
+            // Four corners, the ray depth, and the view's place.
+            Self::CornerColour => corners(self, 4 * 3 + 1 + 2, 3, 1.0),
             Self::Context => u_net(self, &[16, 32, 80, 160, 224]),
             Self::Tiny => u_net(self, &[6, 8, 8]),
             Self::Occlusion => occlusion(),
@@ -237,6 +266,8 @@ impl Arch {
             Self::Occlusion => Task::Occlusion,
             Self::AppearanceFlow => Task::Flow,
             Self::DirectRegression => Task::Views,
+            Self::CornerDisparity => Task::CornerDepth,
+            Self::CornerColour => Task::CornerColour,
             Self::Paper | Self::PaperYx | Self::Context | Self::Tiny => Task::Depth,
         }
     }
@@ -244,9 +275,9 @@ impl Arch {
     /// Maps that the last layer gives for each view.
     pub fn rows_per_view(self) -> usize {
         match self.task() {
-            Task::Depth | Task::Occlusion => 1,
+            Task::Depth | Task::Occlusion | Task::CornerDepth => 1,
             Task::Flow => 2,
-            Task::Views => 3,
+            Task::Views | Task::CornerColour => 3,
         }
     }
 
@@ -254,6 +285,8 @@ impl Arch {
     pub fn inputs(self) -> &'static [&'static str] {
         match self {
             Self::Paper | Self::AppearanceFlow | Self::DirectRegression => &["rgb"],
+            Self::CornerDisparity => &["agreement"],
+            Self::CornerColour => &["corners", "disparity", "view"],
             Self::Occlusion => &["rgb", "disparity"],
             Self::PaperYx | Self::Context | Self::Tiny => &["rgb", "yx"],
         }

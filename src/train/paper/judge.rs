@@ -1,4 +1,4 @@
-//! What each method makes of a light field that it never saw, from its reference view alone.
+//! What each method makes of a light field that it never saw, from its reference view alone (one: from its corners).
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use crate::nets::{REFERENCE, VIEWS};
 use crate::run::Nets;
 use crate::scenes::raster::Raster;
 use crate::scenes::steps;
-use crate::{step, view_step};
+use crate::{corners, step, view_step};
 
 /// Bars of the histogram of disparities, over ±[`HISTOGRAM_PX`] across the whole aperture.
 pub const BARS: usize = 32;
@@ -136,14 +136,20 @@ fn predicted(method: Method, nets: &Nets, batch: &Batch, config: &Config) -> Res
     let size = [batch.maps.width, batch.maps.height];
     let pictures =
         |values: &[f32]| values.chunks_exact(3 * size[0] * size[1]).map(|view| picture(view, size)).collect();
-    let [Some(net), occlusion] = nets.pair() else { return Ok(Vec::new()) };
-    if !method.has_depth() {
-        let views = pictures(&view_step::infer(net, batch, config)?);
-        return Ok(vec![(method.name(), Made { views, depths: None })]);
+    let (net, second) = match (method, nets.pair()) {
+        (Method::Flow | Method::Regression, [Some(net), _]) => {
+            let views = pictures(&view_step::infer(net, batch, config)?);
+            return Ok(vec![(method.name(), Made { views, depths: None })]);
+        }
+        (_, [Some(net), Some(second)]) => (net, second),
+        _ => return Ok(Vec::new()),
+    };
+    if method == Method::Corners {
+        let (views, depths) = corners::infer([net, second], batch, config)?;
+        return Ok(vec![(method.name(), Made { views: pictures(&views), depths: Some(depths) })]);
     }
     let depths = step::infer_all_depths(net.best(), &net.arch.graph(), batch, config)?;
-    let Some(occlusion) = occlusion else { return Ok(Vec::new()) };
-    let [lambertian, full] = both(occlusion, batch, &depths, config)?.map(|views| pictures(&views));
+    let [lambertian, full] = both(second, batch, &depths, config)?.map(|views| pictures(&views));
     let mut made = vec![(method.name(), Made { views: full, depths: Some(depths.clone()) })];
     if method == Method::Ours {
         made.push((LAMBERTIAN, Made { views: lambertian, depths: Some(depths) }));

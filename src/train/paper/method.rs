@@ -25,11 +25,14 @@ pub enum Method {
     Flow,
     /// The views straight from the photo
     Regression,
+    /// The views from the four corners (Kalantari et al. 2016), which it is given
+    Corners,
 }
 
 impl Method {
     /// All of them, as the report lists them.
-    pub const ALL: [Self; 5] = [Self::Ours, Self::NoConsistency, Self::NoRegularisers, Self::Flow, Self::Regression];
+    pub const ALL: [Self; 6] =
+        [Self::Ours, Self::NoConsistency, Self::NoRegularisers, Self::Flow, Self::Regression, Self::Corners];
 
     /// Name of its folder, and on the command line.
     pub fn name(self) -> &'static str {
@@ -39,6 +42,7 @@ impl Method {
             Self::NoRegularisers => "no-regularisers",
             Self::Flow => "flow",
             Self::Regression => "regression",
+            Self::Corners => "corners",
         }
     }
 
@@ -50,12 +54,8 @@ impl Method {
             Self::NoRegularisers => "ours without ψ_c and ψ_tv",
             Self::Flow => "appearance flow",
             Self::Regression => "direct regression",
+            Self::Corners => "given the four corners",
         }
-    }
-
-    /// Whether ray depths come out.
-    pub fn has_depth(self) -> bool {
-        !matches!(self, Self::Flow | Self::Regression)
     }
 
     /// Folder of its run.
@@ -69,11 +69,12 @@ impl Method {
         let losses = match self {
             Self::NoConsistency => LossWeights { w_consistency: 0.0, ..paper.losses.clone() },
             Self::NoRegularisers => LossWeights { w_consistency: 0.0, w_tv: 0.0, ..paper.losses.clone() },
-            Self::Ours | Self::Flow | Self::Regression => paper.losses.clone(),
+            Self::Ours | Self::Flow | Self::Regression | Self::Corners => paper.losses.clone(),
         };
         let stage = match self {
             Self::Flow => Stage::Flow,
             Self::Regression => Stage::Regression,
+            Self::Corners => Stage::Corners,
             Self::Ours | Self::NoConsistency | Self::NoRegularisers => Stage::Joint,
         };
         Config {

@@ -61,7 +61,8 @@ fn epipolar(judged: &Judged) -> Option<Panel> {
     let (left, y) = strongest_edge(&judged.measured, judged.field.size);
     let mut rows = vec![vec![stretch(&epi_tile(|layer| &judged.field.views[layer], y, LINE_PX), left)]];
     let mut names = vec!["recorded".to_owned()];
-    for name in [Method::Ours.name(), LAMBERTIAN, Method::Flow.name(), Method::Regression.name()] {
+    let methods = [Method::Ours, Method::Flow, Method::Regression, Method::Corners].map(Method::name);
+    for name in [&methods[..1], &[LAMBERTIAN], &methods[1..]].concat() {
         if let Some(made) = judged.made.get(name) {
             rows.push(vec![stretch(&epi_tile(|layer| &made.views[layer], y, LINE_PX), left)]);
             names.push(name.to_owned());
