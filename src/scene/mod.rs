@@ -38,6 +38,7 @@ mod splats;
 mod strength;
 mod subject;
 pub mod timeline;
+pub mod training;
 pub mod trust;
 
 pub use edit::{Edit, Focus};

@@ -173,6 +173,11 @@ impl ModelSource {
         Ok(manifest)
     }
 
+    /// The same of a depth net, of ray depths or of relative depth.
+    pub fn depth_manifest(&self, id: &str) -> Result<Manifest, ModelError> {
+        self.manifest(id, self.depth_task(id).unwrap_or(Task::RelativeDepth))
+    }
+
     /// The folder of a model's further files, each checked, and their bytes; none where the model is one file.
     fn data_folder(&self, id: &str, manifest: &Manifest) -> Result<(Option<PathBuf>, u64), ModelError> {
         let Self::Folder(folder) = self else { return Ok((None, 0)) };

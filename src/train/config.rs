@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result};
 use clap::{ArgMatches, Args, FromArgMatches as _, ValueEnum, parser::ValueSource};
 use serde::{Deserialize, Serialize};
 
+use crate::device::Place;
 use crate::nets::Arch;
 
 /// What is trained.
@@ -200,6 +201,10 @@ pub struct Config {
     /// File with the names of the files to train on, one a line (the preset `paper`)
     #[arg(long)]
     pub list: Option<PathBuf>,
+    /// What computes
+    #[arg(long, value_enum, default_value_t)]
+    #[serde(default)]
+    pub device: Place,
     /// Burn's own operations in place of ours
     #[arg(long)]
     pub stock: bool,

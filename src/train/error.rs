@@ -95,6 +95,22 @@ pub enum TrainError {
         /// The file that was to be written.
         path: PathBuf,
     },
+    /// No graphics device.
+    #[error("no graphics device to train on ({why}): train with --device cpu")]
+    NoDevice {
+        /// What is missing.
+        why: String,
+    },
+    /// A graphics device that gave up within a step.
+    #[error(
+        "the graphics device gave up a step of {batch} samples ({why}): try --batch {}; what was saved of the run stays", (batch / 2).max(1)
+    )]
+    Device {
+        /// What it said.
+        why: String,
+        /// Samples of the step.
+        batch: usize,
+    },
     /// The data engine gave up.
     #[error("the data engine stopped: {why}")]
     Data {

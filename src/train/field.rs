@@ -9,6 +9,8 @@ use plenoscope::io::{self, LightFieldFile, Opened};
 use plenoscope::job::{Cancel, Job};
 use plenoscope::synth::{SynthError, lift, sweep};
 
+use crate::TrainError;
+use crate::recorded::packed;
 use crate::scenes::REFERENCE;
 use crate::scenes::raster::{Raster, Rgb};
 
@@ -18,6 +20,9 @@ pub enum TrueFieldError {
     /// The file could not be read.
     #[error("{0}")]
     Open(#[from] io::OpenError),
+    /// A packed light field that could not be read.
+    #[error(transparent)]
+    Packed(Box<TrainError>),
     /// A photo, not a light field.
     #[error("this is one photo; expected a light field (a folder of views, HCI or ESLF): {}", .0.display())]
     Photo(PathBuf),
@@ -58,6 +63,9 @@ impl TrueField {
     /// # Errors
     /// [`TrueFieldError`], naming the file and what is expected.
     pub fn open(path: &Path) -> Result<Self, TrueFieldError> {
+        if path.to_string_lossy().ends_with(packed::ENDING) {
+            return packed::true_field(path).map_err(|error| TrueFieldError::Packed(Box::new(error)));
+        }
         let cancel = Cancel::default();
         let opened = io::open(path, &Job { cancel: &cancel, sink: &() })?;
         match opened {

@@ -8,6 +8,7 @@ pub mod contact;
 pub mod corners;
 pub mod curves;
 pub mod data;
+pub mod device;
 mod error;
 pub mod eval;
 pub mod export;

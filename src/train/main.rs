@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Some(("bench", matches)) => bench(matches),
         Some(("eval", matches)) => eval::run(matches).map(|text| print!("{text}")),
         Some(("paper", matches)) => paper(matches),
+        Some(("data", matches)) if matches.get_one::<PathBuf>("pack").is_some() => pack(matches),
         Some(("data", matches)) if matches.get_one::<PathBuf>("stats").is_some() => {
             recorded::stats::run(matches).map(|text| print!("{text}"))
         }
@@ -46,11 +47,14 @@ fn command() -> Command {
     let resume = arg!(--resume <RUN> "Go on with the run in this folder; its config is the base")
         .required(false)
         .value_parser(value_parser!(PathBuf));
+    let attended =
+        arg!(--attended "Save and end when standard input ends: for a program that starts this one").required(false);
+    let train = Config::augment_args(Command::new("train").about("Train a net, or go on with a run"));
     Command::new("plenoscope-train")
         .about("Trains, evaluates and exports Plenoscope's nets")
         .version(env!("CARGO_PKG_VERSION"))
         .subcommand_required(true)
-        .subcommand(Config::augment_args(Command::new("train").about("Train a net, or go on with a run")).arg(resume))
+        .subcommand(train.arg(resume).arg(attended))
         .subcommand(export_command())
         .subcommand(bench_command())
         .subcommand(eval::command())
@@ -100,6 +104,9 @@ fn train(matches: &ArgMatches) -> Result<()> {
     }
     threads(&config)?;
     let stop = stop_on_interrupt()?;
+    if matches.get_flag("attended") {
+        stop_with_input(stop.clone());
+    }
     let nets = match resume {
         Some(folder) => run::Nets::resume(&config, folder)?,
         None => run::Nets::start(&config)?,
@@ -114,12 +121,28 @@ fn train(matches: &ArgMatches) -> Result<()> {
     Ok(())
 }
 
+/// Sets a flag once standard input ends: whoever started this program is gone, or wants it to end.
+fn stop_with_input(stop: Arc<AtomicBool>) {
+    std::thread::spawn(move || {
+        // What is read says nothing; that it fails is an end, too.
+        drop(std::io::copy(&mut std::io::stdin(), &mut std::io::sink()));
+        stop.store(true, Ordering::Relaxed);
+    });
+}
+
 /// Set by Ctrl-C.
 fn stop_on_interrupt() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
     Ok(stop)
+}
+
+fn pack(matches: &ArgMatches) -> Result<()> {
+    let (from, to) = (required::<PathBuf>(matches, "pack")?, required::<PathBuf>(matches, "out")?);
+    let told = |text: &str| eprintln!("{text}");
+    print!("{}", recorded::packed::pack(&from, &to, &stop_on_interrupt()?, &told)?);
+    Ok(())
 }
 
 fn paper(matches: &ArgMatches) -> Result<()> {

@@ -4,6 +4,7 @@
 //! these the middle 8 × 8 are used, 3 … 10; the reference view is (4, 4) of them. Of any other format that the library
 //! opens, the 8 × 8 views around the reference view. Crops of 192² are halved to 96².
 
+pub mod packed;
 pub mod stats;
 
 use std::collections::{BTreeSet, VecDeque};
@@ -29,7 +30,7 @@ const REUSE: u64 = 8;
 const GAMMA: (f32, f32) = (0.4, 1.0);
 
 /// Ends of the names of files that hold a light field; folders may hold one, too.
-const ENDINGS: [&str; 2] = ["_eslf.png", ".lfp"];
+const ENDINGS: [&str; 3] = ["_eslf.png", ".lfp", packed::ENDING];
 
 /// A decoded light field: its 8 × 8 views `[view, y, x, 3]`.
 struct Field {
@@ -179,7 +180,11 @@ impl Folder {
 
 impl Field {
     fn open(path: &Path) -> Result<Self, TrainError> {
-        if path.to_string_lossy().ends_with(ENDINGS[0]) { Self::of_eslf(path) } else { Self::of_views(path) }
+        match path.to_string_lossy() {
+            name if name.ends_with(ENDINGS[0]) => Self::of_eslf(path),
+            name if name.ends_with(packed::ENDING) => packed::open(path),
+            _ => Self::of_views(path),
+        }
     }
 
     /// Of any format that the library opens.
@@ -275,7 +280,7 @@ pub(crate) mod tests {
     }
 
     /// A file whose red says v, green says u, blue says x.
-    fn write(folder: &Path) {
+    pub(crate) fn write_eslf(folder: &Path) {
         let picture = image::RgbImage::from_fn(14 * 40, 14 * 36, |x, y| {
             image::Rgb([(y % 14 * 10) as u8, (x % 14 * 10) as u8, (x / 14) as u8])
         });
@@ -285,7 +290,7 @@ pub(crate) mod tests {
     #[test]
     fn a_batch_has_the_middle_views_in_order() {
         let folder = tempfile::tempdir().unwrap();
-        write(folder.path());
+        write_eslf(folder.path());
         let config = Config { data: folder.path().to_owned(), batch: 2, crop: vec![(16, 16)], ..Config::default() };
         let draw = draw(&config, Arc::new(|_| ())).unwrap();
         let batch = draw(3).unwrap();
@@ -302,7 +307,7 @@ pub(crate) mod tests {
     #[test]
     fn a_light_field_that_cannot_be_read_is_told_once_and_passed_over() {
         let folder = tempfile::tempdir().unwrap();
-        write(folder.path());
+        write_eslf(folder.path());
         std::fs::write(folder.path().join("IMG_0_eslf.png"), b"no picture").unwrap();
         std::fs::create_dir(folder.path().join("notes")).unwrap();
         let config = Config { data: folder.path().to_owned(), batch: 2, crop: vec![(16, 16)], ..Config::default() };
@@ -320,7 +325,7 @@ pub(crate) mod tests {
     #[test]
     fn crops_that_only_fit_whole_are_not_halved() {
         let folder = tempfile::tempdir().unwrap();
-        write(folder.path());
+        write_eslf(folder.path());
         let config = Config { data: folder.path().to_owned(), batch: 1, crop: vec![(36, 32)], ..Config::default() };
         let batch = draw(&config, Arc::new(|_| ())).unwrap()(0).unwrap();
         assert!(batch.views[0] == batch.views[35] && batch.views[72 * 32] < batch.views[72 * 32 + 35]);

@@ -1,7 +1,9 @@
 //! A run of the trainer: loop, schedule, metrics, checkpoints, stopping.
 
+use std::any::Any;
 use std::fs::OpenOptions;
 use std::io::{IsTerminal as _, Write as _};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -16,6 +18,7 @@ use crate::config::{Config, Stage};
 use crate::contact;
 use crate::corners;
 use crate::curves;
+use crate::device::Place;
 use crate::eval::sheet;
 use crate::files;
 use crate::nets::{Arch, Graph, Task};
@@ -207,6 +210,7 @@ pub fn train(
     mut watch: Option<Watch>,
     stop: &AtomicBool,
 ) -> Result<Nets, TrainError> {
+    config.device.ready()?;
     prepare(config)?;
     let mut progress = nets.main(config.stage).map(|net| net.progress.clone()).unwrap_or_default();
     let mut loader = Loader::new(draw, progress.step, config.loaders)?;
@@ -222,7 +226,7 @@ pub fn train(
         let waiting = Instant::now();
         let batch = loader.next_batch()?;
         log.wait_secs += waiting.elapsed().as_secs_f64();
-        let report = nets.step(&batch, config, done)?;
+        let report = guarded(config, || nets.step(&batch, config, done))?;
         check_numbers(&report, progress.step, config, &batch)?;
         progress.step += 1;
         progress.samples += batch.maps.samples as u64;
@@ -252,6 +256,19 @@ pub fn train(
     curves::draw(&log.path, &config.out.join(CURVES_FILE))?;
     bar.finish();
     Ok(nets)
+}
+
+/// A step, whose panic is an error where a graphics device can run out of memory.
+fn guarded(config: &Config, step: impl FnOnce() -> Result<Report, TrainError>) -> Result<Report, TrainError> {
+    if config.device == Place::Cpu {
+        return step();
+    }
+    let failed = |panic: Box<dyn Any + Send>| {
+        let told = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+        let why = told.and_then(|text| text.lines().next()).unwrap_or("it did not say why").to_owned();
+        TrainError::Device { why, batch: config.batch }
+    };
+    catch_unwind(AssertUnwindSafe(step)).map_err(failed)?
 }
 
 /// Makes the run's folder and puts the config there.

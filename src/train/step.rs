@@ -9,6 +9,7 @@ use crate::TrainError;
 use crate::batch::{Batch, blank_patches, drop_coordinates};
 use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
+use crate::device::Place;
 use crate::loss::{self, Along, Maps};
 use crate::nets::{Graph, Mode, Tape, Weights, values, zeros};
 use crate::ops::Path;
@@ -120,11 +121,15 @@ pub(crate) fn with_gradient<const D: usize>(tape: &Tape<'_>, y: Tensor<D>, gradi
 }
 
 pub(crate) fn path(config: &Config) -> Path {
-    if config.stock { Path::Stock } else { Path::Own }
+    match config.device {
+        Place::Gpu => Path::Graphics,
+        Place::Cpu if config.stock => Path::Stock,
+        Place::Cpu => Path::Own,
+    }
 }
 
-pub(crate) fn training<'a>(weights: &'a Weights, config: &Config) -> Tape<'a> {
-    Tape::new(weights, Mode::Train, path(config)).keeping_norm(config.keep_norm)
+pub(crate) fn training<'a>(weights: &'a Weights, config: &Config) -> Result<Tape<'a>, TrainError> {
+    Ok(Tape::new(weights, Mode::Train, path(config))?.keeping_norm(config.keep_norm))
 }
 
 pub(crate) fn update(
@@ -151,7 +156,7 @@ pub fn depth_step(
     done: f64,
 ) -> Result<Report, TrainError> {
     let by_chance = Rng::new(config.seed ^ DROPPING, net.progress.step);
-    let mut tape = training(&net.weights, config).dropping(config.drop, by_chance);
+    let mut tape = training(&net.weights, config)?.dropping(config.drop, by_chance);
     let (maps, channels) = (&batch.maps, graph.input_channels());
     let mut input = batch.net_input(graph.arch.has_coordinates());
     let mut by_chance = Rng::new(config.seed ^ BLANKING, net.progress.step);
@@ -198,7 +203,7 @@ fn forward(tape: &mut Tape<'_>, graph: &Graph, batch: &Batch, input: Vec<f32>) -
 
 /// Ray depths that a depth net gives for a batch, from its running statistics.
 pub fn infer_depths(weights: &Weights, graph: &Graph, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
-    let mut tape = Tape::new(weights, Mode::Infer, path(config));
+    let mut tape = Tape::new(weights, Mode::Infer, path(config))?;
     predict(&mut tape, graph, batch).map(values)
 }
 
@@ -210,7 +215,7 @@ pub fn infer_all_depths(
     config: &Config,
 ) -> Result<Vec<f32>, TrainError> {
     let maps = &batch.maps;
-    let mut tape = Tape::new(weights, Mode::Infer, path(config));
+    let mut tape = Tape::new(weights, Mode::Infer, path(config))?;
     let shape = [maps.samples, graph.input_channels(), maps.height, maps.width];
     let x = tape.input(batch.net_input(graph.arch.has_coordinates()), shape);
     tape.run2(graph, x, None).map(values)
@@ -226,7 +231,7 @@ pub fn infer_views(
 ) -> Result<(Vec<f32>, Vec<f32>), TrainError> {
     let maps = &batch.maps;
     let rendered = loss::rendered_views(maps, &batch.photos(), depth);
-    let mut tape = Tape::new(weights, Mode::Infer, path(config));
+    let mut tape = Tape::new(weights, Mode::Infer, path(config))?;
     let x = occlusion_input(&tape, maps, &rendered, depth);
     let residual = values(tape.run3(graph, x)?);
     let (p, nv) = (maps.plane(), maps.views.len());
@@ -247,7 +252,7 @@ pub fn occlusion_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let mut tape = training(&net.weights, config);
+    let mut tape = training(&net.weights, config)?;
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, depth);
     let residual = tape.run3(graph, x)?;
@@ -336,12 +341,12 @@ pub fn joint_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let mut depth_tape = training(&depth_net.weights, config);
+    let mut depth_tape = training(&depth_net.weights, config)?;
     let y = predict(&mut depth_tape, &graphs[0], batch)?;
     let depth = values(y.clone());
     let (mut parts, mut gradient) = depth_losses(batch, &depth, &config.losses);
 
-    let mut tape = training(&occlusion_net.weights, config);
+    let mut tape = training(&occlusion_net.weights, config)?;
     let rendered = loss::rendered_views(&batch.maps, &batch.photos(), &depth);
     let x = occlusion_input(&tape, &batch.maps, &rendered, &depth).require_grad();
     let residual = tape.run3(&graphs[1], x.clone())?;

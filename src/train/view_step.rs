@@ -14,7 +14,7 @@ use crate::step::{Parts, Report, path, predict, training, update, with_gradient}
 /// A step of such a net; `done` = 0 … 1 of the run behind it.
 pub fn step(net: &mut Checkpoint, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
     let graph = net.arch.graph();
-    let mut tape = training(&net.weights, config);
+    let mut tape = training(&net.weights, config)?;
     let y = predict(&mut tape, &graph, batch)?;
     let said = values(y.clone());
     let mut gradient = zeros(said.len());
@@ -31,7 +31,7 @@ pub fn step(net: &mut Checkpoint, batch: &Batch, config: &Config, done: f64) -> 
 
 /// The views `[n, v, 3, h, w]` in 0 … 1 that such a net makes of a batch's photos.
 pub fn infer(net: &Checkpoint, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
-    let mut tape = Tape::new(net.best(), Mode::Infer, path(config));
+    let mut tape = Tape::new(net.best(), Mode::Infer, path(config))?;
     let said = predict(&mut tape, &net.arch.graph(), batch).map(values)?;
     Ok(match net.arch.task() {
         Task::Flow => loss::flowed_views(&batch.maps, &batch.photos(), &said),

@@ -9,6 +9,7 @@ use super::dialog::Dialog;
 use super::film::Cut;
 use super::hints::Hint;
 use super::jobs::OpenFrom;
+use super::training::Wanted;
 use super::words::Message;
 use super::worker::JobId;
 use crate::field::{Opening, ViewOffset};
@@ -56,6 +57,10 @@ pub enum Action {
     UseModels(PathBuf),
     /// Adds a depth net, takes one away, or uses one for all photos.
     ChangeNets(Change),
+    /// Trains on a folder of light fields, or looks at what was trained on it.
+    TrainOn(PathBuf),
+    /// Trains, rests, or uses what was trained.
+    Train(Wanted),
     /// Makes the light field anew, after a setting changed.
     MakeAgain,
     /// Starts the export that the dialog describes: of these photos, or of what is open where there are none.
@@ -93,6 +98,8 @@ impl Action {
             Self::TakeMap(_) => "take a depth map",
             Self::UseModels(_) => "take nets from a folder",
             Self::ChangeNets(_) => "change the nets",
+            Self::TrainOn(_) => "choose light fields to train on",
+            Self::Train(_) => "train",
             Self::MakeAgain => "make the light field again",
             Self::StartExport(_) => "export",
             Self::Learn(_) => "put a hint away",

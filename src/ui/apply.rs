@@ -20,6 +20,7 @@ use super::neighbours;
 use super::open::Open;
 use super::queue::State;
 use super::saver::{Order, Queued, Shown};
+use super::training;
 use super::window::Window;
 use super::words::{message, t};
 use crate::crash;
@@ -89,6 +90,8 @@ pub fn apply(window: &mut Window, action: Action, ctx: &Context) {
             make_again(window);
         }
         Action::ChangeNets(what) => change_nets(window, what),
+        Action::TrainOn(data) => training::choose(window, &data),
+        Action::Train(wanted) => training::obey(window, wanted),
         Action::Learn(hint) => window.settings.hints.learn(hint),
         Action::MakeAgain => make_again(window),
         Action::StartExport(photos) => start_export(window, photos),
@@ -192,6 +195,7 @@ fn obey(window: &mut Window, command: Command, ctx: &Context) {
         }
         Command::Queue => window.queue.is_open = !window.queue.is_open,
         Command::CopyPicture => save_shown(window, None, t!("command-copy-picture").to_owned()),
+        Command::Train => window.dialog = Some(Dialog::Training),
         Command::Settings => window.dialog = Some(Dialog::Settings),
         Command::Stop => stop(window, ctx),
         Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),

@@ -44,6 +44,8 @@ pub enum Ask {
     Models,
     /// A depth net.
     Net,
+    /// A folder of light fields to train on.
+    LightFields,
     /// A picture, a path or an edit in the clipboard.
     Clipboard,
     /// An edit in the clipboard.
@@ -82,6 +84,8 @@ pub enum PathFor {
     Models,
     /// A depth net.
     Net,
+    /// A folder of light fields to train on.
+    LightFields,
 }
 
 /// Where a dialog led.
@@ -108,6 +112,8 @@ pub enum Picked {
     Models(PathBuf),
     /// A depth net to add.
     Net(PathBuf),
+    /// A folder of light fields to train on.
+    LightFields(PathBuf),
     /// A picture from the clipboard, `[y, x, 4]`.
     Pixels([u32; 2], Vec<u8>),
     /// An edit from the clipboard or a file.

@@ -63,6 +63,7 @@ pub enum Command {
     Serpentine,
     Repair,
     Trust,
+    Train,
     Shortcuts,
 }
 
@@ -115,7 +116,7 @@ pub const MOUSE: [Id; 9] = [
 
 impl Command {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 57] = [
+    pub const ALL: [Self; 58] = [
         Self::Open,
         Self::OpenFolder,
         Self::OpenSample,
@@ -172,6 +173,7 @@ impl Command {
         Self::Opposite,
         Self::Transpose,
         Self::Serpentine,
+        Self::Train,
         Self::Shortcuts,
     ];
 
@@ -234,6 +236,7 @@ impl Command {
             Self::Opposite => (LIGHT_FIELD, id!("command-opposite"), None),
             Self::Transpose => (LIGHT_FIELD, id!("command-transpose"), None),
             Self::Serpentine => (LIGHT_FIELD, id!("command-serpentine"), None),
+            Self::Train => (LIGHT_FIELD, id!("command-train"), None),
             Self::Shortcuts => (HELP, id!("command-shortcuts"), key(Key::F1)),
         };
         Spec { group, name, shortcut }

@@ -17,6 +17,8 @@ pub enum Dialog {
     Path(PathFor, String),
     /// What is not part of an edit.
     Settings,
+    /// Training on one's own light fields.
+    Training,
     /// Lenses and exports by name, and the name for a new one.
     Presets {
         /// Those there are.

@@ -52,6 +52,10 @@ pub fn work(job: JobId, ask: Ask, _: &Cancel, outbox: &Outbox) {
             or_none(pollster::block_on(dialog(None).pick_folder()).map(path).map(Picked::Models), PathFor::Models)
         }
         Ask::Net => or_none(pollster::block_on(dialog(None).pick_file()).map(path).map(Picked::Net), PathFor::Net),
+        Ask::LightFields => or_none(
+            pollster::block_on(dialog(None).pick_folder()).map(path).map(Picked::LightFields),
+            PathFor::LightFields,
+        ),
         Ask::Folder { folder } => match pollster::block_on(dialog(folder).pick_folder()) {
             Some(folder) => Picked::Folder(path(folder)),
             None if start.elapsed() < SHOWN => Picked::NoFolderDialog,

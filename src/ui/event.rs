@@ -12,6 +12,7 @@ use super::open::Made;
 use super::points::Drawn;
 use super::rays::Rays;
 use super::tiles::TileSet;
+use super::training;
 use super::trust::TrustKey;
 use super::words::Message;
 use crate::field::{View, ViewIndex};
@@ -54,6 +55,8 @@ pub enum Event {
     Models(Vec<Listed>),
     /// A depth net was added.
     Added(Box<Card>),
+    /// What training tells.
+    Training(training::Answer),
     /// The file was there already and was left as it is.
     Skipped(PathBuf),
     /// A picture for the clipboard.

@@ -24,6 +24,7 @@ use super::queue::State;
 use super::rays::Rays;
 use super::strength::is_same;
 use super::tiles::Tiled;
+use super::training;
 use super::window::Window;
 use super::words::message;
 use super::worker::JobId;
@@ -83,6 +84,14 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
                 make_again(window);
             }
             window.dialog = Some(Dialog::Added(Box::new(Shown::new(*card, ctx))));
+        }
+        Event::Training(answer) => {
+            if let Some(source) = training::take(window, answer, ctx) {
+                // Beside what is open, as sources are compared.
+                window.compare.forget_source(&source);
+                window.compare.look_at(Some(source));
+                make_again(window);
+            }
         }
         Event::Warning(text) => window.toasts.info(text),
         Event::Failed(text) => window.toasts.error(text),
@@ -314,6 +323,7 @@ fn picked(window: &mut Window, picked: Picked, ctx: &Context) {
         }
         Picked::Opening(opening) => Action::TakeOpening(opening),
         Picked::Models(folder) => Action::UseModels(folder),
+        Picked::LightFields(path) => Action::TrainOn(path),
         Picked::Net(path) => Action::ChangeNets(Change::Add(path)),
         Picked::Pixels(size, rgba) => Action::Open(OpenFrom::pasted(size, rgba)),
         Picked::Edit(recipe) => Action::PasteEdit(recipe),

@@ -50,6 +50,7 @@ mod strength;
 mod theme;
 mod tiles;
 mod toasts;
+mod training;
 mod trust;
 mod widgets;
 mod window;

@@ -24,6 +24,7 @@ use super::sources::{self, Choice};
 use super::strength::Shaping;
 use super::tiles::Tiled;
 use super::toasts::Toasts;
+use super::training::Training;
 use super::trust::Tint;
 use super::words::{self, Language, message};
 use super::worker::Outbox;
@@ -112,6 +113,8 @@ pub struct Window {
     pub asked: Making,
     /// Whether the net that made the light field is being taken away, so that it is to be made anew.
     pub loses_net: bool,
+    /// What is trained.
+    pub training: Training,
     /// The net that is being tried.
     pub adding: Option<Running>,
     /// Threads for the nets; 0 is one for each core.
@@ -173,6 +176,7 @@ impl Window {
             compare: Compare::default(),
             asked: Making::default(),
             loses_net: false,
+            training: Training::default(),
             adding: None,
             threads: options.threads,
             workers: Workers::spawn(outbox, pictures.as_ref(), remembers),

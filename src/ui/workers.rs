@@ -10,7 +10,9 @@ use super::jobs::Load;
 use super::neighbours::{self, Ahead};
 use super::saver::Order;
 use super::worker::{Outbox, Worker};
-use super::{adding, dialogs, finals, history, jobs, mending, peaking, points, recents, saver, strength, trust};
+use super::{
+    adding, dialogs, finals, history, jobs, mending, peaking, points, recents, saver, strength, training, trust,
+};
 use crate::scene::Maker;
 use crate::synth::cache::Cache;
 
@@ -42,6 +44,8 @@ pub struct Workers {
     pub ahead: Worker<neighbours::Request>,
     /// Keeps edits.
     pub sidecar: Worker<Keep>,
+    /// Listens to the trainer.
+    pub trainer: Worker<training::Request>,
     /// Tries and keeps depth nets.
     pub adder: Worker<adding::Request>,
     /// Finds small pictures of recent files.
@@ -69,6 +73,7 @@ impl Workers {
             asker: Worker::spawn("dialog", out(), dialogs::work),
             folder: Worker::spawn("folder", out(), neighbours::worker(ahead.clone())),
             ahead: Worker::spawn("ahead", out(), neighbours::worker(ahead)),
+            trainer: Worker::spawn("train", out(), training::work),
             sidecar: Worker::spawn("sidecar", out(), history::keep),
             recents: Worker::spawn("recents", out(), recents::work),
         }

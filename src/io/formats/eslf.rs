@@ -47,10 +47,13 @@ pub(super) fn read(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Optio
     let mut info = FileInfo::light_field(FORMAT, &field);
     info.notes.push(("lenslet".to_owned(), format!("{block}×{block} px")));
     let mut file = LightFieldFile::new(Arc::new(field), None, info);
-    if mean(&file.field) < DARK {
-        file.display_gamma = Some(DARK_GAMMA);
-    }
+    file.display_gamma = shown_power(&file.field);
     Ok(Some(file))
+}
+
+/// The power that colours as the sensor saw them are raised to when they are shown; none where they are bright enough.
+pub fn shown_power(field: &LightField) -> Option<f32> {
+    (mean(field) < DARK).then_some(DARK_GAMMA)
 }
 
 /// The block size that our own writer notes.

@@ -78,7 +78,7 @@ impl Shelf {
         names.sort();
         let source = self.source();
         let shelved = |name: String| Shelved {
-            manifest: source.manifest(&name, Task::RelativeDepth),
+            manifest: source.depth_manifest(&name),
             bytes: bytes_of(&self.folder.join(&name)),
             is_preferred: preferred.as_deref() == Some(name.as_str()),
             name,
@@ -117,7 +117,7 @@ impl Shelf {
 
     /// The name and checksum of a net.
     pub fn tag(&self, name: &str) -> Option<ModelTag> {
-        self.source().manifest(name, Task::RelativeDepth).ok().map(|manifest| manifest.tag())
+        self.source().depth_manifest(name).ok().map(|manifest| manifest.tag())
     }
 
     /// Whether a net can be put here under a name.

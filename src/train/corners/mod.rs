@@ -141,7 +141,8 @@ pub fn step(
 ) -> Result<Report, TrainError> {
     let views = chosen(batch, config, disparity_net.progress.step)?;
     let between: Vec<&Between<'_>> = views.iter().map(|view| &view.between).collect();
-    let (mut disparity, mut colour) = (training(&disparity_net.weights, config), training(&colour_net.weights, config));
+    let (mut disparity, mut colour) =
+        (training(&disparity_net.weights, config)?, training(&colour_net.weights, config)?);
     let made = forward([&mut disparity, &mut colour], [disparity_net, colour_net], &between, Tensor::require_grad)?;
     let Losses { full, blended, of_residual, mut of_warped } =
         losses(&views, &made.warped, &values(made.residual.clone()));
@@ -174,9 +175,8 @@ pub fn infer(nets: [&Checkpoint; 2], batch: &Batch, config: &Config) -> Result<(
     let (mut views, mut depths) = (Vec::new(), Vec::new());
     for some in all.chunks(AT_ONCE) {
         let between: Vec<&Between<'_>> = some.iter().map(|view| &view.between).collect();
-        let mut tapes = nets.map(|net| Tape::new(net.best(), Mode::Infer, path(config)));
-        let [disparity, colour] = &mut tapes;
-        let made = forward([disparity, colour], nets, &between, |input| input)?;
+        let [disparity, colour] = nets.map(|net| Tape::new(net.best(), Mode::Infer, path(config)));
+        let made = forward([&mut disparity?, &mut colour?], nets, &between, |input| input)?;
         let residual = values(made.residual);
         for (k, view) in some.iter().enumerate() {
             let n = view.truth.len();

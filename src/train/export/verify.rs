@@ -29,7 +29,7 @@ pub fn difference(net: &Checkpoint, bytes: &[u8], side: usize) -> Result<f32, Tr
 
 pub(super) fn trained(net: &Checkpoint, input: Vec<f32>, [height, width]: [usize; 2]) -> Result<Vec<f32>, TrainError> {
     let graph = net.arch.graph();
-    let mut tape = Tape::new(net.best(), Mode::Infer, Path::Stock);
+    let mut tape = Tape::new(net.best(), Mode::Infer, Path::Stock)?;
     if graph.rank == 3 {
         let x = tape.input(input, [1, graph.input_channels(), VIEWS, height, width]);
         return tape.run3(&graph, x).map(values);

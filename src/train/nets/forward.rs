@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::{Conv, End, Graph, Node, Tensor32, Weights};
 use crate::TrainError;
+use crate::device;
 use crate::ops::{self, Path};
 use crate::rng::Rng;
 
@@ -45,11 +46,15 @@ enum Leaf {
 }
 
 impl<'a> Tape<'a> {
-    /// A tape on burn's CPU backend; gradients are kept in `Mode::Train` only.
-    pub fn new(weights: &'a Weights, mode: Mode, path: Path) -> Self {
-        let device = Device::flex();
+    /// A tape on the device of a path; gradients are kept in `Mode::Train` only.
+    ///
+    /// # Errors
+    /// A graphics device that is not to be had.
+    pub fn new(weights: &'a Weights, mode: Mode, path: Path) -> Result<Self, TrainError> {
+        let device = device::of(path)?;
         let device = if mode == Mode::Train { device.autodiff() } else { device };
-        Self { weights, device, mode, path, drop: None, keep_norm: false, leaves: Vec::new(), statistics: Vec::new() }
+        let (leaves, statistics) = (Vec::new(), Vec::new());
+        Ok(Self { weights, device, mode, path, drop: None, keep_norm: false, leaves, statistics })
     }
 
     /// Leaves out `part` of the channels, drawn anew for every sample, at a net's two coarsest levels: it is
@@ -239,7 +244,7 @@ mod tests {
     #[test]
     fn left_out_channels_are_zero_and_the_others_make_up_for_them() {
         let weights = Weights::random(&Arch::Tiny.graph(), 1);
-        let mut tape = Tape::new(&weights, Mode::Train, Path::Own).dropping(0.25, Rng::new(5, 0));
+        let mut tape = Tape::new(&weights, Mode::Train, Path::Own).unwrap().dropping(0.25, Rng::new(5, 0));
         let ones = tape.input(vec![1.0; 1000 * 4], [10, 100, 2, 2]);
         let thinned = values(tape.thinned(ones));
         let channels = thinned.chunks(4).map(|channel| channel.iter().sum::<f32>() / 4.0);

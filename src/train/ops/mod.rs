@@ -13,10 +13,12 @@ use plenoscope::kernel::Activation;
 /// Whose operations compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
-    /// Burn's own operations.
+    /// Burn's own operations, on the processor.
     Stock,
     /// Ours, on the kernel that inference uses.
     Own,
+    /// Burn's own, on a graphics device.
+    Graphics,
 }
 
 /// Convolution (edge padded, no bias), batch normalisation with the batch's statistics, ELU.
@@ -33,7 +35,7 @@ pub fn conv_norm_elu<const D: usize>(
 ) -> (Tensor<D>, Tensor<2>) {
     let [gamma, beta] = norm;
     match path {
-        Path::Stock => stock::conv_norm_elu(x, weight, gamma, beta, dilation),
+        Path::Stock | Path::Graphics => stock::conv_norm_elu(x, weight, gamma, beta, dilation),
         Path::Own => own::conv_norm_elu(x, weight, gamma, beta, Norm { dilation }),
     }
 }
@@ -48,7 +50,7 @@ pub fn conv_folded_elu<const D: usize>(
 ) -> Tensor<D> {
     let (weight, bias) = stock::fold(weight, norm);
     match path {
-        Path::Stock => stock::conv_elu(x, weight, bias, dilation),
+        Path::Stock | Path::Graphics => stock::conv_elu(x, weight, bias, dilation),
         Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu }),
     }
 }
@@ -62,7 +64,7 @@ pub fn conv_tanh<const D: usize>(
     path: Path,
 ) -> Tensor<D> {
     match path {
-        Path::Stock => stock::conv_tanh(x, weight, bias, dilation, scale),
+        Path::Stock | Path::Graphics => stock::conv_tanh(x, weight, bias, dilation, scale),
         Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Tanh { scale } }),
     }
 }
@@ -70,7 +72,7 @@ pub fn conv_tanh<const D: usize>(
 /// Mean of 2×2 pixels: `[n, c, h, w]` → `[n, c, h/2, w/2]`.
 pub fn pool(x: Tensor<4>, path: Path) -> Tensor<4> {
     match path {
-        Path::Stock => stock::pool(x),
+        Path::Stock | Path::Graphics => stock::pool(x),
         Path::Own => own::pool(x),
     }
 }
@@ -78,7 +80,7 @@ pub fn pool(x: Tensor<4>, path: Path) -> Tensor<4> {
 /// `low` at twice its size (nearest pixel), then `skip`: `[n, a, h/2, w/2]`, `[n, b, h, w]` → `[n, a + b, h, w]`.
 pub fn up_concat(low: Tensor<4>, skip: Tensor<4>, path: Path) -> Tensor<4> {
     match path {
-        Path::Stock => stock::up_concat(low, skip),
+        Path::Stock | Path::Graphics => stock::up_concat(low, skip),
         Path::Own => own::up_concat(low, skip),
     }
 }

@@ -87,6 +87,7 @@ impl Method {
             batch: asked.batch,
             crop: vec![(asked.crop, asked.crop)],
             threads: asked.threads,
+            device: asked.device,
             log_steps: 10,
             ..paper
         }
@@ -123,10 +124,11 @@ impl Method {
             .with_context(|| format!("cannot read the run's config: {}", path.display()))?;
         let saved: Config =
             serde_json::from_str(&text).with_context(|| format!("the run's config is damaged: {}", path.display()))?;
-        // How long, on how many threads and from which folder may differ; what is learned may not.
+        // How long, where, and from which folder may differ; what is learned may not.
         let alike = Config {
             steps: config.steps,
             threads: config.threads,
+            device: config.device,
             data: config.data.clone(),
             out: config.out.clone(),
             ..saved

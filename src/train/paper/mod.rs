@@ -20,6 +20,7 @@ use anyhow::{Result, bail, ensure};
 use clap::{ArgMatches, Args, Command, FromArgMatches as _};
 
 use crate::config::Config;
+use crate::device::Place;
 use crate::field::TrueField;
 use crate::recorded;
 use crate::run::Nets;
@@ -71,6 +72,9 @@ pub struct Asked {
     /// Threads of the trainer
     #[arg(long, default_value_t = 2)]
     pub threads: usize,
+    /// What computes
+    #[arg(long, value_enum, default_value_t)]
+    pub device: Place,
 }
 
 impl Asked {

@@ -36,6 +36,12 @@ pub fn command() -> Command {
                 .value_parser(value_parser!(PathBuf)),
         )
         .arg(
+            arg!(--pack <DIR> "Pack a folder of light fields into --out instead: their 8 x 8 views, read without decoding")
+                .required(false)
+                .conflicts_with("stats")
+                .value_parser(value_parser!(PathBuf)),
+        )
+        .arg(
             arg!(--measure <N> "Light fields of --stats whose disparities are measured")
                 .default_value("24")
                 .value_parser(number()),

@@ -30,6 +30,7 @@ mod strength;
 mod strip;
 mod timeline;
 mod top_bar;
+mod training;
 mod views;
 
 use crate::ui::words::t;
@@ -221,7 +222,7 @@ fn status_line(window: &Window, ui: &Ui) -> Option<Action> {
 
 /// Draws the dialog that is open.
 pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
-    let Window { open, edit, settings, dialog, timeline, languages, .. } = window;
+    let Window { open, edit, settings, dialog, timeline, languages, training, .. } = window;
     match dialog {
         None => Vec::new(),
         Some(Dialog::Export(photos)) => {
@@ -231,6 +232,7 @@ pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
         Some(Dialog::Shortcuts) => sheet::show(ctx),
         Some(Dialog::Presets { names, new }) => presets::show(names, new, ctx),
         Some(Dialog::Settings) => settings::show(settings, languages, ctx),
+        Some(Dialog::Training) => training::show(training, open.photo().is_some(), ctx),
         Some(Dialog::Path(wanted, text)) => path_box::show(*wanted, text, ctx),
         Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),
         Some(Dialog::Added(shown)) => added::show(shown, ctx),

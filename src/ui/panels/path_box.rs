@@ -29,6 +29,7 @@ pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
             PathFor::Opening => (t!("path-opening"), t!("path-opening-what"), t!("verb-use")),
             PathFor::Models => (t!("path-models"), t!("path-models-what"), t!("verb-use")),
             PathFor::Net => (t!("path-net"), t!("path-net-what"), t!("verb-add")),
+            PathFor::LightFields => (t!("path-fields"), t!("path-fields-what"), t!("verb-use")),
         };
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         let line = t!("path-ask", what = what);
@@ -64,6 +65,7 @@ fn action(wanted: PathFor, path: PathBuf) -> Action {
         PathFor::DepthMap => Action::Ask(Ask::ReadDepthMap(path)),
         PathFor::Opening => Action::Ask(Ask::ReadOpening(path)),
         PathFor::Models => Action::UseModels(path),
+        PathFor::LightFields => Action::TrainOn(path),
         PathFor::Net => Action::ChangeNets(Change::Add(path)),
     }
 }

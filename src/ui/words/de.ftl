@@ -240,6 +240,8 @@ path-models = Modelle
 path-models-what = einen Ordner mit Modellen
 path-net = Tiefennetz
 path-net-what = eine ONNX-Datei
+path-fields = Lichtfelder zum Trainieren
+path-fields-what = einen Ordner mit Lichtfeldern
 verb-open = Öffnen
 verb-go-on = Weiter
 verb-use = Verwenden
@@ -659,8 +661,28 @@ command-transpose = Zeilen und Spalten tauschen
     .hint = Zeilen von Ansichten sind Spalten
 command-serpentine = Hin und her
     .hint = Jede zweite Zeile von Ansichten läuft rückwärts
+command-train = Trainieren…
+    .hint = Netze an eigenen Lichtfeldern trainieren
 command-shortcuts = Tasten
     .hint = Alle Tasten, und was die Maus tut
+
+## Training.
+training = An eigenen Lichtfeldern trainieren
+training-what = Wählen Sie einen Ordner mit Lichtfeldern: An ihnen werden die Netze der Arbeit trainiert und sind dann für Ihre Fotos da
+training-choose = Ordner wählen…
+training-start = Trainieren
+training-pause = Pause
+training-go-on = Weiter
+training-use = Dieses Netz verwenden
+training-sheet = Was die Netze aus eben gesehenen Lichtfeldern machen: Foto, wahre und eigene Strahltiefen, Epipolarbilder
+training-said = Verluste: { $text }
+training-waits = { $name }: noch nicht begonnen
+training-begins = { $name }: wird vorbereitet…
+training-runs = { $name }: Schritt { $step } von { $all }; das Fenster ist derweil frei
+training-ends = { $name }: wird nach Schritt { $step } gesichert…
+training-rests = { $name }: ruht nach Schritt { $step } von { $all }
+training-another = es wird schon etwas anderes trainiert — halten Sie es zuerst an
+training-no-trainer = das Trainingsprogramm fehlt, es ist ein eigenes Programm — bauen Sie es mit „cargo build --release --package plenoscope-train“ und legen Sie plenoscope-train neben plenoscope
 
 ## Keys that have names.
 key-ctrl = Strg

@@ -240,6 +240,8 @@ path-models = Models
 path-models-what = a folder of models
 path-net = Depth net
 path-net-what = an ONNX file
+path-fields = Light fields to train on
+path-fields-what = a folder of light fields
 verb-open = Open
 verb-go-on = Go on
 verb-use = Use
@@ -659,8 +661,28 @@ command-transpose = Exchange rows and columns
     .hint = Rows of views are columns
 command-serpentine = To and fro
     .hint = Every second row of views runs backwards
+command-train = Train…
+    .hint = Train nets on your own light fields
 command-shortcuts = Shortcuts
     .hint = All keys and what the mouse does
+
+## Training.
+training = Train on your light fields
+training-what = Choose a folder of light fields: the paper's nets are trained on them, and can be used for your photos
+training-choose = Choose folder…
+training-start = Train
+training-pause = Pause
+training-go-on = Go on
+training-use = Use this net
+training-sheet = What the nets make of light fields they have just seen: photo, true and own ray depths, epipolar images
+training-said = Losses: { $text }
+training-waits = { $name }: not begun
+training-begins = { $name }: getting ready…
+training-runs = { $name }: step { $step } of { $all }; the window can be used meanwhile
+training-ends = { $name }: saving after step { $step }…
+training-rests = { $name }: resting after step { $step } of { $all }
+training-another = something else is being trained — pause it first
+training-no-trainer = the trainer is not here, as it is a program of its own — build it with “cargo build --release --package plenoscope-train” and put plenoscope-train beside plenoscope
 
 ## Keys that have names.
 key-ctrl = Ctrl
