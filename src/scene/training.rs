@@ -9,7 +9,6 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread;
 use std::time::{Duration, SystemTime};
 
-use directories::ProjectDirs;
 use serde::Deserialize;
 
 use crate::job::Job;
@@ -90,10 +89,10 @@ struct Saved {
 }
 
 impl Run {
-    /// The run on a folder of light fields, kept among the person's own files; none where the system has no such place.
-    pub fn of(data: &Path) -> Option<Self> {
+    /// The run on a folder of light fields, kept beside the person's own nets; none of a folder without a name.
+    pub fn of(data: &Path, shelf: &Shelf) -> Option<Self> {
         let name = data.file_name()?.to_string_lossy().into_owned();
-        let own = ProjectDirs::from("", "", "plenoscope")?.data_dir().join("training");
+        let own = shelf.folder().with_file_name("training");
         // Folders of one name are told apart.
         let mut names = (1..).map(|n| if n == 1 { name.clone() } else { format!("{name}-{n}") });
         let is_free = |folder: &PathBuf| !folder.exists() || saved(folder).is_some_and(|saved| saved.data == data);
@@ -131,6 +130,11 @@ fn saved(folder: &Path) -> Option<Saved> {
 }
 
 impl Trainer {
+    /// A program of one's own.
+    pub fn new(program: &Path) -> Self {
+        Self { program: program.to_owned() }
+    }
+
     /// The program beside this one, else on the path.
     ///
     /// # Errors
@@ -162,7 +166,7 @@ impl Trainer {
         };
         let mut child = self.spawn(&mut command)?;
         let mut ours: Option<ChildStdin> = child.stdin.take();
-        let said = last_line(child.stderr.take());
+        let said = self.started(last_line(child.stderr.take()))?;
         let mut before = Told::default();
         let status = loop {
             if let Some(status) = self.started(child.try_wait())? {
@@ -195,7 +199,7 @@ impl Trainer {
         command.arg("export").arg(run.folder.join("depth.safetensors")).args(["--long-side", LONG_SIDE_PX]);
         command.args(["--id", &name, "--training-data", &run.data.to_string_lossy(), "--models"]).arg(shelf.folder());
         let mut child = self.spawn(&mut command)?;
-        let said = last_line(child.stderr.take());
+        let said = self.started(last_line(child.stderr.take()))?;
         let status = self.started(child.wait())?;
         let said = said.join().unwrap_or_default();
         let tag = shelf.tag(&name).filter(|_| status.success());
@@ -218,8 +222,8 @@ impl Trainer {
 }
 
 /// Reads to the end, on a thread of its own; gives the last line that says something, as a sentence.
-fn last_line(from: Option<impl Read + Send + 'static>) -> thread::JoinHandle<String> {
-    thread::spawn(move || {
+fn last_line(from: Option<impl Read + Send + 'static>) -> std::io::Result<thread::JoinHandle<String>> {
+    thread::Builder::new().name("trainer".into()).spawn(move || {
         let lines = from.into_iter().flat_map(|from| BufReader::new(from).lines().map_while(Result::ok));
         let last = lines.filter(|line| !line.trim().is_empty()).last().unwrap_or_default();
         last.strip_prefix("error: ").unwrap_or(&last).to_owned()
@@ -258,7 +262,20 @@ mod tests {
         let program = folder.join("trainer");
         fs::write(&program, format!("#!/bin/sh\n{script}\n")).unwrap();
         fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
-        Trainer { program }
+        Trainer::new(&program)
+    }
+
+    #[test]
+    fn folders_of_one_name_have_runs_of_their_own() {
+        let folder = tempfile::tempdir().unwrap();
+        let shelf = Shelf::new(&folder.path().join("models"));
+        let run = Run::of(Path::new("/a/fields"), &shelf).unwrap();
+        assert_eq!(run.folder, folder.path().join("training/fields"));
+        fs::create_dir_all(&run.folder).unwrap();
+        fs::write(run.folder.join("config.json"), "{\"steps\": 9, \"data\": \"/a/fields\"}").unwrap();
+        assert_eq!(Run::of(Path::new("/a/fields"), &shelf), Some(run));
+        let other = Run::of(Path::new("/b/fields"), &shelf).unwrap();
+        assert_eq!(other.folder, folder.path().join("training/fields-2"));
     }
 
     #[cfg(unix)]

@@ -105,7 +105,7 @@ fn train(matches: &ArgMatches) -> Result<()> {
     threads(&config)?;
     let stop = stop_on_interrupt()?;
     if matches.get_flag("attended") {
-        stop_with_input(stop.clone());
+        stop_with_input(stop.clone())?;
     }
     let nets = match resume {
         Some(folder) => run::Nets::resume(&config, folder)?,
@@ -122,12 +122,14 @@ fn train(matches: &ArgMatches) -> Result<()> {
 }
 
 /// Sets a flag once standard input ends: whoever started this program is gone, or wants it to end.
-fn stop_with_input(stop: Arc<AtomicBool>) {
-    std::thread::spawn(move || {
+fn stop_with_input(stop: Arc<AtomicBool>) -> Result<()> {
+    let listen = move || {
         // What is read says nothing; that it fails is an end, too.
         drop(std::io::copy(&mut std::io::stdin(), &mut std::io::sink()));
         stop.store(true, Ordering::Relaxed);
-    });
+    };
+    std::thread::Builder::new().name("input".into()).spawn(listen)?;
+    Ok(())
 }
 
 /// Set by Ctrl-C.
@@ -141,7 +143,8 @@ fn stop_on_interrupt() -> Result<Arc<AtomicBool>> {
 fn pack(matches: &ArgMatches) -> Result<()> {
     let (from, to) = (required::<PathBuf>(matches, "pack")?, required::<PathBuf>(matches, "out")?);
     let told = |text: &str| eprintln!("{text}");
-    print!("{}", recorded::packed::pack(&from, &to, &stop_on_interrupt()?, &told)?);
+    let stop = stop_on_interrupt()?;
+    print!("{}", recorded::packed::pack(&from, &to, &stop, &told)?);
     Ok(())
 }
 

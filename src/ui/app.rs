@@ -19,7 +19,7 @@ use super::rest::Seen;
 use super::settings::Settings;
 use super::window::{Options, Window};
 use super::worker::{JobId, Outbox};
-use super::{film, history, inbox, input, mending, panels, screen, spoken, theme, widgets};
+use super::{film, history, inbox, input, mending, panels, screen, spoken, theme, training, widgets};
 use crate::field::{Lens, LightField};
 use crate::repair::Repairs;
 use crate::scene::{DepthFrom, Edit, Focus};
@@ -124,6 +124,11 @@ impl App {
     /// Opens a file, as if it had been dropped.
     pub fn open_file(&mut self, path: &Path) {
         self.window.open(OpenFrom::File(path.to_owned()));
+    }
+
+    /// Chooses light fields to train on, as if in the dialog.
+    pub fn train_on(&mut self, data: &Path) {
+        training::choose(&mut self.window, data);
     }
 
     /// Where exports go.

@@ -44,9 +44,9 @@ pub enum Wanted {
 /// What the thread is asked for.
 pub enum Request {
     /// Train.
-    Train(Run),
+    Train(Trainer, Run),
     /// Put the net where nets are chosen.
-    Use(Run, Box<Making>),
+    Use(Trainer, Run, Box<Making>),
 }
 
 /// What the thread tells.
@@ -67,8 +67,8 @@ pub enum Answer {
 pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
     let answer = |answer| outbox.send(job, Event::Training(answer));
     let done = match &request {
-        Request::Train(run) => train(run, cancel, &answer).map(|()| Answer::Rests),
-        Request::Use(run, making) => put(run, making).map(|source| {
+        Request::Train(trainer, run) => train(trainer, run, cancel, &answer).map(|()| Answer::Rests),
+        Request::Use(trainer, run, making) => put(trainer, run, making).map(|source| {
             outbox.send(job, Event::Models(adding::listed(making)));
             Answer::Net(source)
         }),
@@ -76,7 +76,7 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
     answer(done.unwrap_or_else(Answer::Failed));
 }
 
-fn train(run: &Run, cancel: &Cancel, answer: &dyn Fn(Answer) -> bool) -> Result<(), Message> {
+fn train(trainer: &Trainer, run: &Run, cancel: &Cancel, answer: &dyn Fn(Answer) -> bool) -> Result<(), Message> {
     let mut drawn: Option<SystemTime> = None;
     let mut tell = |told: Told| {
         if let Some((path, time)) = told.sheet.as_ref().filter(|(_, time)| drawn != Some(*time)) {
@@ -85,21 +85,17 @@ fn train(run: &Run, cancel: &Cancel, answer: &dyn Fn(Answer) -> bool) -> Result<
         }
         answer(Answer::Told(told));
     };
-    let trainer = Trainer::found().map_err(|error| said(&error))?;
     trainer.train(run, &Job { cancel, sink: &() }, &mut tell).map_err(|error| said(&error))
 }
 
-fn put(run: &Run, making: &Making) -> Result<DepthFrom, Message> {
+fn put(trainer: &Trainer, run: &Run, making: &Making) -> Result<DepthFrom, Message> {
     let shelf = making.shelf.as_ref().ok_or(message!("no-folder-for-nets"))?;
-    let tag = Trainer::found().and_then(|trainer| trainer.export(run, shelf)).map_err(|error| said(&error))?;
+    let tag = trainer.export(run, shelf).map_err(|error| said(&error))?;
     Ok(DepthFrom::Net(tag))
 }
 
 fn said(error: &TrainingError) -> Message {
-    match error {
-        TrainingError::NoTrainer => message!("training-no-trainer"),
-        error => sentence(error).into(),
-    }
+    sentence(error).into()
 }
 
 /// The sheet, as it is; none while it cannot be read.
@@ -118,7 +114,7 @@ impl Training {
 
 /// A folder of light fields was chosen.
 pub fn choose(window: &mut Window, data: &Path) {
-    match Run::of(data) {
+    match window.making().shelf.and_then(|shelf| Run::of(data, &shelf)) {
         Some(run) if window.training.running.is_none() => {
             window.training = Training { told: run.told(), run: Some(run), ..Training::default() };
             window.dialog = Some(Dialog::Training);
@@ -131,9 +127,13 @@ pub fn choose(window: &mut Window, data: &Path) {
 /// Does what is wanted.
 pub fn obey(window: &mut Window, wanted: Wanted) {
     let Some(run) = window.training.run.clone() else { return };
+    let trainer = match window.trainer() {
+        Ok(trainer) => trainer,
+        Err(error) => return window.toasts.error(said(&error)),
+    };
     match wanted {
         Wanted::Train if !window.training.is_running() => {
-            let job = window.workers.trainer.push(Request::Train(run));
+            let job = window.workers.trainer.push(Request::Train(trainer, run));
             window.training.running = Some((job, false));
         }
         Wanted::Rest => {
@@ -145,7 +145,7 @@ pub fn obey(window: &mut Window, wanted: Wanted) {
             }
         }
         Wanted::Use if !window.training.is_running() => {
-            let job = window.workers.trainer.push(Request::Use(run, Box::new(window.making())));
+            let job = window.workers.trainer.push(Request::Use(trainer, run, Box::new(window.making())));
             window.training.running = Some((job, false));
         }
         Wanted::Train | Wanted::Use => {}

@@ -32,6 +32,7 @@ use super::workers::Workers;
 use crate::crash;
 use crate::repair::{MOST, Repair, Repairs};
 use crate::scene::real::{KnownLens, known_lenses, published_lenses};
+use crate::scene::training::{Trainer, TrainingError};
 use crate::scene::{Content, DepthFrom, Edit, Focus, Making, OnePhoto, Recipe, Timeline};
 use crate::synth::adopt::Shelf;
 use crate::synth::{ModelSource, Scale};
@@ -45,6 +46,8 @@ pub struct Options {
     pub models: ModelSource,
     /// The nets that the person added.
     pub shelf: Option<Shelf>,
+    /// The trainer; none is the one beside the program, or on the path.
+    pub trainer: Option<PathBuf>,
     /// Where reports of faults lie, to be offered.
     pub crashes: Option<PathBuf>,
     /// The language of the window by its tag; none is what the settings say.
@@ -122,6 +125,7 @@ pub struct Window {
     /// The threads.
     pub workers: Workers,
     started_with: ModelSource,
+    trainer: Option<PathBuf>,
     /// The nets that the person added.
     shelf: Option<Shelf>,
 }
@@ -182,8 +186,17 @@ impl Window {
             workers: Workers::spawn(outbox, pictures.as_ref(), remembers),
             pictures,
             started_with: options.models.clone(),
+            trainer: options.trainer.clone(),
             shelf: options.shelf.clone(),
         }
+    }
+
+    /// The program that trains.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn trainer(&self) -> Result<Trainer, TrainingError> {
+        self.trainer.as_deref().map_or_else(Trainer::found, |program| Ok(Trainer::new(program)))
     }
 
     /// Whether something is being opened, made or saved.

@@ -42,6 +42,12 @@ pub fn window_with_shelf(size: [f32; 2], shelf: Option<Shelf>) -> Window {
     window_of(size, 120, shelf, None)
 }
 
+/// The same with a program that trains.
+#[cfg(unix)]
+pub fn window_with_trainer(size: [f32; 2], shelf: Shelf, trainer: &Path) -> Window {
+    with_options(size, Options { shelf: Some(shelf), trainer: Some(trainer.to_owned()), ..usual() })
+}
+
 /// An empty window, whose views will have this long side.
 fn window_of(size: [f32; 2], long_side: u32, shelf: Option<Shelf>, crashes: Option<PathBuf>) -> Window {
     with_options(size, Options { long_side: Some(long_side), shelf, crashes, ..usual() })
@@ -58,6 +64,7 @@ fn usual() -> Options {
         files: Vec::new(),
         models: ModelSource::Embedded,
         shelf: None,
+        trainer: None,
         crashes: None,
         long_side: Some(120),
         threads: 1,

@@ -18,4 +18,6 @@ mod nets;
 mod queue;
 mod repair;
 mod sources;
+#[cfg(unix)]
+mod training;
 mod walk;

@@ -69,5 +69,15 @@ fn window(files: Vec<PathBuf>, args: Window) -> Result<()> {
     let restores_last = files.is_empty() && !args.fresh;
     let (long_side, threads) = (args.long_side, args.threads.into());
     let (shelf, crashes) = (Shelf::user(), crash::folder());
-    Ok(ui::run(ui::Options { files, models, shelf, crashes, language: None, long_side, threads, restores_last })?)
+    Ok(ui::run(ui::Options {
+        files,
+        models,
+        shelf,
+        trainer: None,
+        crashes,
+        language: None,
+        long_side,
+        threads,
+        restores_last,
+    })?)
 }

@@ -31,6 +31,7 @@ impl WindowExport {
             files: Vec::new(),
             models: ModelSource::Embedded,
             shelf: None,
+            trainer: None,
             crashes: None,
             long_side: Some(long_side),
             threads: 1,

@@ -160,14 +160,9 @@ mod tests {
             let (one, other) = (Field::open(&from.join(file)).unwrap(), Field::open(&to.join(packed)).unwrap());
             assert_eq!((one.width, one.height, one.raw), (other.width, other.height, other.raw));
             assert!(one.rgb == other.rgb);
-            let [one, other] = [from.join(file), to.join(packed)].map(|path| TrueField::open(&path).unwrap());
-            let apart = one
-                .views
-                .iter()
-                .zip(&other.views)
-                .flat_map(|(a, b)| a.px.as_flattened().iter().zip(b.px.as_flattened()));
-            assert!(apart.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 0.01, "{file}");
         }
+        let [one, other] = [from.join("plane"), to.join("plane.views.ppm")].map(|path| TrueField::open(&path).unwrap());
+        assert!(one.views.iter().zip(&other.views).all(|(a, b)| a.px == b.px));
         let picture = image::open(to.join("plane.views.ppm")).unwrap();
         assert_eq!((picture.width(), picture.height()), (48 * 8, 36 * 8));
     }

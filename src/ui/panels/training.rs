@@ -104,7 +104,8 @@ fn curves(losses: &BTreeMap<String, Vec<[f32; 2]>>, ui: &mut Ui) {
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, t!("training-said", text = said.join(", "))));
     ui.horizontal(|ui| {
         for (text, color) in &legend {
-            ui.label(RichText::new("■").small().color(*color));
+            let (mark, _) = ui.allocate_exact_size(vec2(theme::GRID * 2.0, theme::GRID * 2.0), Sense::hover());
+            ui.painter().rect_filled(mark, 1, *color);
             ui.label(RichText::new(text).small().color(colors.weak));
         }
     });

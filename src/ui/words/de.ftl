@@ -682,7 +682,6 @@ training-runs = { $name }: Schritt { $step } von { $all }; das Fenster ist derwe
 training-ends = { $name }: wird nach Schritt { $step } gesichert…
 training-rests = { $name }: ruht nach Schritt { $step } von { $all }
 training-another = es wird schon etwas anderes trainiert — halten Sie es zuerst an
-training-no-trainer = das Trainingsprogramm fehlt, es ist ein eigenes Programm — bauen Sie es mit „cargo build --release --package plenoscope-train“ und legen Sie plenoscope-train neben plenoscope
 
 ## Keys that have names.
 key-ctrl = Strg
@@ -970,6 +969,8 @@ heard-lens-file = dieses Objektiv ist nicht verwendbar — { $why } — ein Obje
 heard-recipe-read = das Rezept ist nicht lesbar — { $why }
 heard-recipe-parse = dieses Rezept ist nicht verwendbar — { $why } — machen Sie eines mit „Bearbeitung kopieren“, oder schreiben Sie die Datei neben einem Foto neu
 heard-no-scale = { $name } ist kein Maßstab der Tiefe: deep oder lytro
+heard-no-trainer = das Trainingsprogramm fehlt — es ist ein eigenes Programm — bauen Sie es mit `cargo build --release --package plenoscope-train` und legen Sie plenoscope-train neben plenoscope
+heard-trainer-start = das Trainingsprogramm startet nicht — { $why }
 
 # What files say of themselves.
 heard-hci-grid = parameters.cfg fehlt, daher sagt die Zahl der Ansichten das Raster

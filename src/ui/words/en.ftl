@@ -682,7 +682,6 @@ training-runs = { $name }: step { $step } of { $all }; the window can be used me
 training-ends = { $name }: saving after step { $step }…
 training-rests = { $name }: resting after step { $step } of { $all }
 training-another = something else is being trained — pause it first
-training-no-trainer = the trainer is not here, as it is a program of its own — build it with “cargo build --release --package plenoscope-train” and put plenoscope-train beside plenoscope
 
 ## Keys that have names.
 key-ctrl = Ctrl
@@ -970,6 +969,8 @@ heard-lens-file = this lens cannot be used — { $why } — a lens has name, foc
 heard-recipe-read = the recipe cannot be read — { $why }
 heard-recipe-parse = this recipe cannot be used — { $why } — make one with "Copy edit" or write the sidecar of a photo anew
 heard-no-scale = { $name } is no scale of depth: use deep or lytro
+heard-no-trainer = the trainer is not here — it is a program of its own — build it with `cargo build --release --package plenoscope-train` and put plenoscope-train beside plenoscope
+heard-trainer-start = the trainer does not start — { $why }
 
 # What files say of themselves.
 heard-hci-grid = parameters.cfg is missing, so the number of views tells the grid
