@@ -9,7 +9,7 @@ void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 -
 const VIEW = HEAD + `
 uniform sampler2D colors, depths, behindColors, behindDepths;
 uniform vec2 size, shift, range;
-uniform float coarse, pivot;
+uniform float coarse, pivot, isDraft;
 layout(location = 0) out vec4 seen;
 layout(location = 1) out vec4 sides;
 layout(location = 2) out vec4 hidden;
@@ -74,33 +74,43 @@ void main() {
     seen = vec4(textureLod(colors, uv, coarse).rgb, 1.0);
     sides = vec4(s, 1.0);
   }
+  if (isDraft > 0.5) { hidden = hiddenAt = vec4(0.0); return; }
   behind(at, back, backAt);
   hidden = back;
   hiddenAt = vec4(backAt, 0.0, 1.0);
 }`;
 
-// Light of each pixel, from its near side and from what goes on behind that: premultiplied, with the slice it lies in.
-const PIECES = HEAD + `
-uniform sampler2D seen, sides, hidden, hiddenAt;
+const BLUR = `
 uniform vec2 size, range, keepSharp;
 uniform vec3 focus;
-uniform float gain, curve, highlights, cells;
-layout(location = 0) out vec4 near;
-layout(location = 1) out vec4 far;
-layout(location = 2) out vec4 slices;
+uniform float gain, curve, highlights;
 float ramp(float a, float b, float v) { return smoothstep(a, b, v); }
 float blurOf(float share) {
   vec2 place = gl_FragCoord.xy / size - 0.5;
   float away = mix(range.x, range.y, share) - focus.x - dot(focus.yz, place) - curve * dot(place, place) / 0.5;
   return gain * (away - clamp(away, keepSharp.x, keepSharp.y));
 }
-float sliceOf(float blur) {
-  float b = abs(blur), at = b <= 2.0 ? b : 2.0 + log(b / 2.0) / log(1.3);
-  return blur < 0.0 ? -at : at;
-}
 vec3 recovered(vec3 rgb, float blur) {
   float clipped = ramp(0.85, 1.0, max(rgb.r, max(rgb.g, rgb.b)));
   return rgb * (1.0 + 9.0 * highlights * clipped * ramp(1.0, 8.0, abs(blur)));
+}`;
+
+const ENCODED = `
+vec4 encoded(vec3 c) {
+  c = clamp(c, 0.0, 1.0);
+  return vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)), 1.0);
+}`;
+
+// Light of each pixel, from its near side and from what goes on behind that: premultiplied, with the slice it lies in.
+const PIECES = HEAD + BLUR + `
+uniform sampler2D seen, sides, hidden, hiddenAt;
+uniform float cells;
+layout(location = 0) out vec4 near;
+layout(location = 1) out vec4 far;
+layout(location = 2) out vec4 slices;
+float sliceOf(float blur) {
+  float b = abs(blur), at = b <= 2.0 ? b : 2.0 + log(b / 2.0) / log(1.3);
+  return blur < 0.0 ? -at : at;
 }
 void put(vec4 n, float nBlur, vec4 f, float fBlur) {
   near = n; far = f; slices = vec4(sliceOf(nBlur), sliceOf(fBlur), 0.0, 1.0);
@@ -136,11 +146,11 @@ void main() {
 
 const SLICE = HEAD + `
 uniform sampler2D near, far, slices;
-uniform float slice, pitch;
+uniform float slice;
 out vec4 light;
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  vec2 share = clamp(1.0 - abs(texelFetch(slices, at, 0).rg - slice) / pitch, 0.0, 1.0);
+  vec2 share = clamp(1.0 - abs(texelFetch(slices, at, 0).rg - slice), 0.0, 1.0);
   light = vec4(0.0);
   if (share.x > 0.0) light += share.x * texelFetch(near, at, 0);
   if (share.y > 0.0) light += share.y * texelFetch(far, at, 0);
@@ -175,7 +185,56 @@ void main() {
   result = before + vec4(max(sum.rgb, 0.0) * share / sum.a, -share);
 }`;
 
-const SHOW = HEAD + `
+// For drafts: light and blur of each pixel's own surface,
+const SPOTS = HEAD + BLUR + `
+uniform sampler2D seen, sides;
+uniform float widest;
+out vec4 spot;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec3 s = texelFetch(sides, at, 0).rgb;
+  float blur = blurOf(s.b < 0.5 ? s.r : s.r - s.g);
+  spot = vec4(sqrt(recovered(texelFetch(seen, at, 0).rgb, blur) / (1.0 + 9.0 * highlights)), 0.5 + 0.5 * blur / widest);
+}`;
+
+// gathered at once from where discs may come from; what lies behind does not spread over what is nearer.
+const GATHER = HEAD + ENCODED + `
+uniform sampler2D spots;
+uniform vec2 size;
+uniform float widest, brightest;
+out vec4 shown;
+const float TAPS = 14.0;
+vec4 spot(vec2 uv, float level) {
+  vec4 s = textureLod(spots, uv, level);
+  return vec4(s.rgb * s.rgb, abs(s.a - 0.5) < 0.003 ? 0.0 : (s.a - 0.5) * 2.0 * widest);
+}
+void main() {
+  vec2 uv = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) / size;
+  vec4 own = spot(uv, 0.0);
+  float around = abs(own.a), level = max(log2(widest) - 1.0, 0.0);
+  for (int i = 0; i < 4; i++) {
+    vec2 away = vec2(i & 1, i >> 1) - 0.5;
+    around = max(around, spot(uv + away * widest * 0.7 / size, level).a);
+  }
+  float reach = around / 2.0, apart = 1.8 * reach / sqrt(TAPS);
+  float self = max(abs(own.a) / 2.0, 0.5), part = reach * reach / TAPS, whole = min(part / (self * self), 1.0);
+  if (reach <= 0.5) whole = 1.0;
+  vec3 sum = own.rgb * whole;
+  vec2 turn = vec2(1.0, 0.0);
+  if (reach > 0.5) for (float i = 0.5; i < TAPS; i++) {
+    // By the golden angle.
+    turn = mat2(-0.73737, 0.67549, -0.67549, -0.73737) * turn;
+    float r = reach * sqrt(i / TAPS);
+    vec4 tap = spot(uv + r * turn / size, log2(max(apart, 1.0)));
+    float disc = max((tap.a > own.a ? abs(tap.a) : min(abs(tap.a), abs(own.a))) / 2.0, 0.5);
+    float w = clamp((disc - r) / apart + 0.5, 0.0, 1.0) * min(part / (disc * disc), 1.0);
+    sum += w * tap.rgb;
+    whole += w;
+  }
+  shown = encoded(brightest * sum / whole);
+}`;
+
+const SHOW = HEAD + ENCODED + `
 uniform sampler2D front;
 uniform vec2 size;
 uniform float isLight;
@@ -184,8 +243,7 @@ void main() {
   vec2 uv = gl_FragCoord.xy / size;
   vec4 p = textureLod(front, vec2(uv.x, 1.0 - uv.y), 0.0);
   vec3 c = isLight > 0.5 ? p.rgb : p.rgb / max(1.0 - p.a, 1e-4);
-  c = clamp(c, 0.0, 1.0);
-  shown = vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)), 1.0);
+  shown = encoded(c);
 }`;
 
 function renderer(canvas, images, scene) {
@@ -205,7 +263,7 @@ function renderer(canvas, images, scene) {
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program) || "shader");
     return { program, at: (name) => gl.getUniformLocation(program, name) };
   };
-  const [view, pieces, slice, spread, show] = [VIEW, PIECES, SLICE, SPREAD, SHOW].map(compiled);
+  const [view, pieces, slice, spread, show, spots, gather] = [VIEW, PIECES, SLICE, SPREAD, SHOW, SPOTS, GATHER].map(compiled);
   const texture = (filter) => {
     const made = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, made);
@@ -231,7 +289,7 @@ function renderer(canvas, images, scene) {
   const target = (size, formats) => {
     const textures = formats.map(([format, filter]) => {
       const made = texture(filter);
-      const levels = filter === gl.LINEAR_MIPMAP_LINEAR ? Math.floor(Math.log2(Math.max(...size))) + 1 : 1;
+      const levels = filter === gl.LINEAR_MIPMAP_LINEAR || filter === gl.LINEAR_MIPMAP_NEAREST ? Math.floor(Math.log2(Math.max(...size))) + 1 : 1;
       gl.texStorage2D(gl.TEXTURE_2D, levels, format, size[0], size[1]);
       return made;
     });
@@ -252,7 +310,7 @@ function renderer(canvas, images, scene) {
       kept.set(key, {
         view: target(size, [[gl.SRGB8_ALPHA8, gl.LINEAR], ...plain(gl.RGBA8, 1), ...plain(gl.SRGB8_ALPHA8, 1), ...plain(gl.RGBA8, 1)]),
         pieces: target(size, plain(LIGHT, 3)),
-        slice: target(size, [[LIGHT, gl.LINEAR_MIPMAP_LINEAR]]),
+        slice: target(size, [[LIGHT, gl.LINEAR_MIPMAP_LINEAR]]), spots: target(size, [[gl.RGBA8, gl.LINEAR_MIPMAP_NEAREST]]),
         front: target(size, [[LIGHT, gl.LINEAR]]), other: target(size, [[LIGHT, gl.LINEAR]]),
       });
     }
@@ -280,42 +338,60 @@ function renderer(canvas, images, scene) {
   const diameterAt = (at) => (Math.abs(at) <= 2 ? Math.abs(at) : 2 * 1.3 ** (Math.abs(at) - 2));
   const named = (names, made) => names.map((name, i) => [name, made[i]]);
 
-  // `lens`: fNumber, focus, eye. `part` of the canvas's pixels; `pitch` between slices; `across`: cells of the widest discs.
-  return (lens, part, pitch, across) => {
-    const full = scene.size, size = [canvas.width, canvas.height].map((side, a) => Math.max(16, Math.round(Math.min(side, full[a]) * part)));
-    const to = targets(size);
-    const range = scene.range, scale = scene.scale * size[0] / full[0];
+  // What all pictures begin with: the view from beside, and how it is blurred. Null where nothing is.
+  const begun = (lens, size, isDraft) => {
+    const to = targets(size), full = scene.size, range = scene.range, scale = scene.scale * size[0] / full[0];
     const shift = [lens.eye[0] * scale / size[0], lens.eye[1] * scale / size[1]];
-    draw(view, to.view, named(["colors", "depths", "behindColors", "behindDepths"], source), { shift, range, pivot: scene.pivot, coarse: Math.max(0, Math.log2(full[0] / size[0])) });
-    const views = Math.sqrt(Math.max((28 / lens.fNumber) ** 2 - 1, 0)), gain = views * scale;
-    if (gain === 0) {
-      draw(show, null, [["front", to.view.textures[0]]], { isLight: 1 });
-      return;
-    }
-    const focus = [lens.focus, ...scene.tilt];
-    draw(pieces, to.pieces, named(["seen", "sides", "hidden", "hiddenAt"], to.view.textures), {
-      range, focus, gain, keepSharp: scene.keepSharp, curve: scene.curve, highlights: scene.highlights,
-      cells: size[0] / scene.behindSize[0],
+    draw(view, to.view, named(["colors", "depths", "behindColors", "behindDepths"], source), {
+      shift, range, pivot: scene.pivot, coarse: Math.max(0, Math.log2(full[0] / size[0])), isDraft: Number(isDraft),
     });
+    const gain = scale * Math.sqrt(Math.max((28 / lens.fNumber) ** 2 - 1, 0));
     const far = [-0.5, 0.5].flatMap((x) => [-0.5, 0.5].map((y) => scene.tilt[0] * x + scene.tilt[1] * y));
     const ends = far.flatMap((t) => [0, scene.curve].flatMap((c) => range.map((d) => gain * (d - lens.focus - t - c))));
-    const [first, last] = [Math.floor(sliceOf(Math.min(...ends, 0)) / pitch), Math.ceil(sliceOf(Math.max(...ends, 0)) / pitch)];
+    const lensValues = { range, focus: [lens.focus, ...scene.tilt], gain, keepSharp: scene.keepSharp, curve: scene.curve, highlights: scene.highlights };
+    return { to, gain, lensValues, ends: [Math.min(...ends, 0), Math.max(...ends, 0)] };
+  };
+  const sized = (size) => { if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size; };
+  const asSeen = (size, to) => { sized(size); draw(show, null, [["front", to.view.textures[0]]], { isLight: 1 }); };
+
+  // `lens`: fNumber, focus, eye. A draft is drawn at once.
+  const draft = (lens, size) => {
+    const { to, gain, lensValues, ends } = begun(lens, size, true);
+    if (gain === 0) return asSeen(size, to);
+    const widest = Math.max(-ends[0], ends[1], 1);
+    draw(spots, to.spots, named(["seen", "sides"], to.view.textures), { ...lensValues, widest });
+    gl.bindTexture(gl.TEXTURE_2D, to.spots.textures[0]);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    sized(size);
+    draw(gather, null, [["spots", to.spots.textures[0]]], { widest, brightest: 1 + 9 * scene.highlights });
+  };
+
+  // The whole picture, slice by slice: the canvas changes when all are there. `ACROSS`: cells of the widest discs.
+  const ACROSS = 10;
+  function* picture(lens, size) {
+    const { to, gain, lensValues, ends } = begun(lens, size, false);
+    if (gain === 0) return asSeen(size, to);
+    draw(pieces, to.pieces, named(["seen", "sides", "hidden", "hiddenAt"], to.view.textures), { ...lensValues, cells: size[0] / scene.behindSize[0] });
+    const [first, last] = [Math.floor(sliceOf(ends[0])), Math.ceil(sliceOf(ends[1]))];
     let [front, other] = [to.front, to.other];
     gl.bindFramebuffer(gl.FRAMEBUFFER, front.frame);
     gl.clearColor(0, 0, 0, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     for (let i = last; i >= first; i--) {
-      const diameter = diameterAt(i * pitch);
-      draw(slice, to.slice, named(["near", "far", "slices"], to.pieces.textures), { slice: i * pitch, pitch });
+      yield;
+      const diameter = diameterAt(i);
+      draw(slice, to.slice, named(["near", "far", "slices"], to.pieces.textures), { slice: i });
       gl.bindTexture(gl.TEXTURE_2D, to.slice.textures[0]);
       gl.generateMipmap(gl.TEXTURE_2D);
-      const level = Math.max(0, Math.ceil(Math.log2(diameter / across))), cell = 2 ** level;
+      const level = Math.max(0, Math.ceil(Math.log2(diameter / ACROSS))), cell = 2 ** level;
       const own = Math.sqrt(Math.max(diameter ** 2 - 4 * (cell * cell - 1), 0)) / cell;
       draw(spread, other, [["light", to.slice.textures[0]], ["front", front.textures[0]]], {
         radius: diameter < 0.3 ? 0 : own / 2, level, empty: Math.ceil(Math.log2(Math.max(diameter, 1))),
       });
       [front, other] = [other, front];
     }
+    sized(size);
     draw(show, null, [["front", front.textures[0]]], { isLight: 0 });
-  };
+  }
+  return { draft, picture };
 }

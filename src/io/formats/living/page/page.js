@@ -15,8 +15,8 @@
   start.eye = ["x", "y"].map((name, a) => clamp(number(name, scene.eye[a]), -scene.reach, scene.reach));
   const copy = (lens) => ({ ...lens, eye: [...lens.eye] });
   let wanted = copy(start), lens = copy(start), render = null, depths = null, asking = 0, rested = 0, part = 0.3, last = 0, whole = [1, 1];
-  const sides = (axis) => (axis ? canvas.height : canvas.width);
-  const sized = (axis, side) => { if (axis) canvas.height = side; else canvas.width = side; };
+  // The picture that is being made, and how many of its slices a frame.
+  let refining = null, slices = 1;
 
   // f/28 … f/1 evenly in stops.
   const stopAt = (share) => 28 ** (1 - share / 100);
@@ -71,16 +71,30 @@
     lens.focus = towards(lens.focus, wanted.focus);
     lens.fNumber = wanted.fNumber;
     lens.eye = [...wanted.eye];
+    if (bare || (lens.focus === wanted.focus && now - rested > 200)) {
+      refine(now);
+      return;
+    }
     // Time goes with the pixels; a frame is to take 45 ms. However slow the first ones are, a few more are as they should be.
-    if (last) part = clamp(part * clamp(Math.sqrt(45 / Math.max(now - last, 1)), 0.4, 1.15), 0.1, 1);
-    const still = bare || (lens.focus === wanted.focus && now - rested > 200);
-    // A device that is slow in moving would be stopped by the whole picture.
-    // The canvas itself is as coarse as the draft, in few sizes, so that its memory stays.
-    const share = still ? (bare ? 1 : 2.5 * part) : part, step = bare ? 1 : Math.min(1, 1.25 ** Math.round(Math.log(share) / Math.log(1.25)));
-    whole.map((side) => Math.max(1, Math.round(side * step))).forEach((side, a) => { if (sides(a) !== side) sized(a, side); });
-    render(lens, 1, still ? 1 : 2, still ? 10 : 4);
-    last = still ? 0 : now;
-    if (!still) asking = requestAnimationFrame(frame);
+    if (last && !refining) part = clamp(part * clamp(Math.sqrt(45 / Math.max(now - last, 1)), 0.6, 1.15), 0.1, 1);
+    refining = null;
+    last = now;
+    // In few sizes, so that the memory of the device stays.
+    const step = Math.min(1, 1.25 ** Math.round(Math.log(part) / Math.log(1.25)));
+    render.draft(lens, whole.map((side) => Math.max(16, Math.round(side * step))));
+    asking = requestAnimationFrame(frame);
+  };
+  // The whole picture, a few slices a frame, so that a device that is slow hears the hand meanwhile.
+  const refine = (now) => {
+    if (!refining) [refining, slices] = [render.picture(copy(lens), whole), part < 1 ? 1 : 8];
+    else slices = now - last < 30 ? 2 * slices : Math.max(1, slices >> 1);
+    last = now;
+    for (let i = 0; i < slices || bare; i++) {
+      if (!refining.next().done) continue;
+      [refining, last] = [null, 0];
+      return;
+    }
+    asking = requestAnimationFrame(frame);
   };
   const ask = () => { if (!asking && render) asking = requestAnimationFrame(frame); };
   const moved = () => { rested = performance.now(); shown(); ask(); };
