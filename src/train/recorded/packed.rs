@@ -95,7 +95,7 @@ pub(super) fn open(path: &Path) -> Result<Field, TrainError> {
 /// A packed light field to be judged by.
 ///
 /// # Errors
-/// As [`open`].
+/// A file that cannot be read, or is no packed light field.
 pub fn true_field(path: &Path) -> Result<TrueField, TrainError> {
     let field = open(path)?;
     let size = [field.width, field.height];
