@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::Place;
 use crate::nets::Arch;
+use crate::scenes::MEASURED;
 
 /// What is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -93,6 +94,11 @@ fn one() -> f32 {
     1.0
 }
 
+/// What runs had before it could be said.
+fn measured() -> f32 {
+    MEASURED
+}
+
 /// A run of the trainer.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 pub struct Config {
@@ -174,6 +180,18 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub drop_yx: f32,
+    /// Part of the lifted maps whose depth was measured
+    #[arg(long, default_value_t = MEASURED)]
+    #[serde(default = "measured")]
+    pub measured: f32,
+    /// Part of the samples on which falls light that says nothing about depth: slopes, spots, bright sides, veils
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub shading: f32,
+    /// Part of the scenes in three dimensions that show bare tops under uneven light, bright upper walls, portraits
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub pitfalls: f32,
     /// Threads of the trainer
     #[arg(long, default_value_t = 2)]
     pub threads: usize,

@@ -29,6 +29,9 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         stretch: if config.stage == Stage::Occlusion { [0.2, 1.25] } else { [1.0; 2] },
         // As nearness maps are: one net learns one curve.
         curve: scenes::Curve::Relief,
+        measured: config.measured,
+        shading: config.shading,
+        pitfalls: config.pitfalls,
         ..scenes::Config::default()
     })
 }

@@ -13,6 +13,8 @@
 //! * **Real**: crops of real light fields; the reference view's ray depth is what a sweep over the views finds.
 //! * **Solid**: scenes in three dimensions ([`solid`]), drawn from every view's own centre.
 //!
+//! On any of them may fall light that says nothing about depth (`shading`).
+//!
 //! Nearness 0 … 1 becomes a disparity of `range · (nearness − 0.85)` with a range of 1.2 px per view step at a long
 //! side of 288 px, in proportion at others: the focal plane lies at the subject, backgrounds are negative.
 
@@ -29,6 +31,7 @@ mod plants;
 pub mod raster;
 mod real;
 mod sample;
+mod shading;
 pub mod solid;
 mod walls;
 pub mod write;
@@ -49,16 +52,19 @@ pub use library::{Library, Picture, measured, read_rgb};
 pub use mix::Mix;
 use place::{Canvas, Place};
 pub use sample::Sample;
+use shading::Shade;
 pub use solid::Curve;
 use solid::Stock;
 
 /// Layer of the reference view (4, 4).
 pub const REFERENCE: usize = 36;
-/// Shares of lifted maps whose depth was measured, of the rest that are rooms with good maps, and of the rest of that
-/// that show flowers.
-const MEASURED: f32 = 0.15;
+/// Usual share of lifted maps whose depth was measured.
+pub const MEASURED: f32 = 0.15;
+/// Shares of lifted maps whose depth was not measured that are rooms with good maps, and of the rest that show flowers.
 const WELL_LABELLED: f32 = 0.2;
 const FLOWERS: f32 = 0.2;
+/// Tells the chance of shading from that of all else.
+const SHADING: u64 = 0x7368_6164;
 /// Nearness of the focal plane.
 pub const FOCAL_NEARNESS: f32 = 0.85;
 
@@ -107,6 +113,13 @@ pub struct Config {
     pub stretch: [f32; 2],
     /// What the disparity of scenes in three dimensions is linear in.
     pub curve: Curve,
+    /// Share of lifted maps whose depth was measured.
+    pub measured: f32,
+    /// Share of augmented samples on which falls light that says nothing about depth.
+    pub shading: f32,
+    /// Share of scenes in three dimensions that show what nets read wrongly: bare tops under uneven light, bright upper
+    /// walls, portraits.
+    pub pitfalls: f32,
 }
 
 impl Default for Config {
@@ -126,6 +139,9 @@ impl Default for Config {
             variety: 1.0,
             stretch: [1.0; 2],
             curve: Curve::Camera,
+            measured: MEASURED,
+            shading: 0.0,
+            pitfalls: 0.0,
         }
     }
 }
@@ -157,6 +173,10 @@ impl Config {
         }
         if !(1..=64).contains(&self.views_per_sample) {
             return wrong("views_per_sample", self.views_per_sample.to_string(), "1 to 64");
+        }
+        let parts = [("measured", self.measured), ("shading", self.shading), ("pitfalls", self.pitfalls)];
+        if let Some((what, got)) = parts.into_iter().find(|(_, part)| !(0.0..=1.0).contains(part)) {
+            return wrong(what, got.to_string(), "a share from 0 to 1");
         }
         let Mix { lifted, collage, pseudo, real, solid } = self.mix;
         let shares = [lifted, collage, pseudo, real, solid];
@@ -271,7 +291,7 @@ impl Source {
 
     fn sample_of_views(&self, index: u64, crop: [usize; 2], views: Vec<usize>) -> Sample {
         let rng = &mut Rng::new(self.config.seed, index);
-        match self.kind(rng) {
+        let mut sample = match self.kind(rng) {
             Kind::Real => self.real(rng, crop, views),
             Kind::Solid => self.solid(rng, index, crop, views),
             Kind::Lifted => {
@@ -283,10 +303,20 @@ impl Source {
                 let [others, flowers, rooms, measured] = &self.mapped;
                 let rest = either(rng, FLOWERS, flowers, others);
                 let rest = either(rng, WELL_LABELLED, rooms, rest);
-                let list = either(rng, MEASURED, measured, rest);
+                let list = either(rng, self.config.measured, measured, rest);
                 let picture = self.framed(rng, list, crop);
                 self.pseudo(rng, crop, views, picture)
             }
+        };
+        self.shade(&mut sample, index);
+        sample
+    }
+
+    /// Lets light fall on some samples, with a chance of its own: all else is as without.
+    fn shade(&self, sample: &mut Sample, index: u64) {
+        let rng = &mut Rng::new(self.config.seed ^ SHADING, index);
+        if self.config.augment && rng.chance(self.config.shading) {
+            Shade::random(rng).apply(&mut sample.rgb, sample.size);
         }
     }
 
@@ -389,6 +419,7 @@ impl Source {
             range_px: canvas.range_px,
             focus: canvas.focus,
             noise: self.config.noise && self.config.augment,
+            pitfalls: self.config.pitfalls,
         }
     }
 

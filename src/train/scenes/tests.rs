@@ -49,6 +49,19 @@ fn a_sample_is_told_by_seed_and_index_alone() {
 }
 
 #[test]
+fn light_falls_on_colours_and_leaves_the_map() {
+    for mix in KINDS {
+        let [plain, mut lit, mut again] = [source(mix, 2, 5), source(mix, 2, 5), source(mix, 2, 5)];
+        (lit.config.shading, again.config.shading) = (0.5, 0.5);
+        let both = || (0..12).map(|index| (plain.sample(index), lit.sample(index)));
+        assert!(both().all(|(plain, lit)| plain.disparity == lit.disparity && plain.subject == lit.subject));
+        let count = both().filter(|(plain, lit)| plain.rgb != lit.rgb).count();
+        assert!((2..11).contains(&count), "{count}");
+        assert!((0..12).rev().all(|index| again.sample(index) == lit.sample(index)));
+    }
+}
+
+#[test]
 fn where_a_subject_is_told_it_is_in_front() {
     let source = source(KINDS[2], 1, 5);
     let samples: Vec<Sample> = (0..40).map(|index| source.sample(index)).collect();

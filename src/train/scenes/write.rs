@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Result;
-use clap::{ArgMatches, Command, arg, value_parser};
+use clap::{Arg, ArgMatches, Command, arg, value_parser};
 use plenoscope::field::{RayDepths, ViewGrid};
 use plenoscope::io::formats::{self, views};
 use plenoscope::job::{Cancel, Job};
@@ -65,11 +65,18 @@ pub fn command() -> Command {
                 .hide_default_value(true)
                 .value_parser(value_parser!(Mix)),
         )
+        .arg(part("shading", "Part of the samples on which falls light that says nothing about depth"))
+        .arg(part("pitfalls", "Part of the scenes that show bare tops under uneven light, bright upper walls, portraits"))
         .arg(
             arg!(--shard <"K/N"> "Write every N-th sample, from the K-th; N workers write what one would")
                 .default_value("1/1")
                 .value_parser(value_parser!(Shard)),
         )
+}
+
+/// A flag for a share.
+fn part(name: &'static str, help: &'static str) -> Arg {
+    Arg::new(name).long(name).value_name("PART").help(help).default_value("0").value_parser(value_parser!(f32))
 }
 
 /// Writes samples; gives what is to be printed.
@@ -78,6 +85,7 @@ pub fn command() -> Command {
 /// Bad data, or a disk that cannot be written.
 pub fn run(matches: &ArgMatches) -> Result<String> {
     let number = |name: &str| matches.get_one::<usize>(name).copied().unwrap_or(0);
+    let share = |name: &str| matches.get_one::<f32>(name).copied().unwrap_or(0.0);
     let path = |name: &str| matches.get_one::<PathBuf>(name).cloned().unwrap_or_default();
     let long_side = number("long-side");
     let config = Config {
@@ -87,6 +95,8 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         views_per_sample: number("views"),
         mix: matches.get_one::<Mix>("mix").copied().unwrap_or_default(),
         seed: matches.get_one::<u64>("seed").copied().unwrap_or(1),
+        shading: share("shading"),
+        pitfalls: share("pitfalls"),
         ..Config::default()
     };
     let source = Source::new(&config)?;

@@ -11,23 +11,23 @@ use super::shot::{Framing, Shot, Sky};
 /// Things that stand on floors.
 const STANDING: [&str; 4] = ["furniture", "furniture", "plant", "other"];
 
-const FLOOR: [&str; 4] = ["floor", "wood", "fabric", "stone"];
-const WALL: [&str; 4] = ["wall", "stone", "wood", "backdrop"];
+pub(super) const FLOOR: [&str; 4] = ["floor", "wood", "fabric", "stone"];
+pub(super) const WALL: [&str; 4] = ["wall", "stone", "wood", "backdrop"];
 
-fn black() -> Sky {
+pub(super) fn black() -> Sky {
     Sky::Fade(Vec3::splat(0.3), Vec3::splat(0.2))
 }
 
 /// A room from z = 0 back to −deep, about x = 0.
-struct Shell {
-    wide: f32,
-    deep: f32,
-    high: f32,
+pub(super) struct Shell {
+    pub wide: f32,
+    pub deep: f32,
+    pub high: f32,
 }
 
 impl Set<'_> {
     /// Floor, ceiling and walls with what hangs on them. They throw no shadow, or it would be night.
-    fn shell(&mut self) -> Shell {
+    pub(super) fn shell(&mut self) -> Shell {
         let (wide, deep, high) = (self.range(2.2, 7.0), self.range(2.5, 9.0), self.range(2.1, 3.6));
         let [x, z] = [wide / 2.0, deep];
         let floor = self.cloth(&FLOOR, 1.2);
@@ -73,7 +73,13 @@ impl Set<'_> {
 
     /// A room with furniture along its walls and in its middle, and what lies on it and hangs over it.
     pub fn room(&mut self, framing: &Framing) -> Shot {
-        let Shell { wide, deep, high } = self.shell();
+        let shell = self.shell();
+        self.furnished(framing, &shell)
+    }
+
+    /// A shell, furnished.
+    pub(super) fn furnished(&mut self, framing: &Framing, shell: &Shell) -> Shot {
+        let Shell { wide, deep, high } = *shell;
         let (x, z) = (wide / 2.0, deep);
         for _ in 0..self.count(3, 9) {
             let (px, pz) = match self.rng.weighted(&[0.35, 0.25, 0.25, 0.15]) {

@@ -11,6 +11,7 @@ pub mod light;
 pub mod mesh;
 mod outside;
 pub mod picture;
+mod pitfalls;
 mod set;
 mod shapes;
 mod shot;
@@ -56,6 +57,8 @@ pub struct Order<'a> {
     pub focus: f32,
     /// Noise of the camera, and JPEG.
     pub noise: bool,
+    /// Share of scenes that show what nets read wrongly.
+    pub pitfalls: f32,
 }
 
 /// A scene's views.
@@ -92,7 +95,7 @@ pub fn make(order: &Order, seed: u64, index: u64) -> Made {
         let nears = Nears::of(&buffer, order.curve);
         attempt += 1;
         // The last try is taken as it is.
-        if attempt == TRIES || nears.is_worth(&mut rng, order) {
+        if attempt == TRIES || nears.is_worth(&mut rng, order, shot.kind) {
             return draw(order, &world, &shot, &frame, buffer, &nears, rng);
         }
     }
@@ -103,6 +106,10 @@ fn scene<'a>(order: &Order<'a>, rng: Rng) -> (World, Shot, Rng) {
     let Order { stock, photos, masked, size, .. } = *order;
     let mut set = Set { rng, stock, photos, masked, world: World::default() };
     let framing = Framing::random(&mut set, size);
+    if order.pitfalls > 0.0 && set.chance(order.pitfalls) {
+        let shot = set.pitfall(&framing);
+        return (set.world, shot, set.rng);
+    }
     let shot = match set.rng.weighted(&[0.24, 0.17, 0.13, 0.1, 0.05, 0.08, 0.09, 0.06, 0.08]) {
         0 => set.room(&framing),
         1 => set.table_top(&framing),
@@ -171,8 +178,8 @@ impl Nears {
     }
 
     /// Whether there is enough depth in a scene, not all of it sky or right before the lens, and whether it tells more
-    /// than that lower is nearer.
-    fn is_worth(&self, rng: &mut Rng, order: &Order) -> bool {
+    /// than that lower is nearer; of a bare top there is no more to tell.
+    fn is_worth(&self, rng: &mut Rng, order: &Order, kind: &str) -> bool {
         let [far, middle, near] = [0.02, 0.5, 0.98].map(|share| self.inverse(self.percentile(share)));
         let sky = self.sorted.partition_point(|&n| n <= order.curve.of(0.0)) as f32 / self.sorted.len() as f32;
         if near < 1.2 * far
@@ -188,7 +195,7 @@ impl Nears {
             (0..h).step_by(h.div_ceil(20)).flat_map(|y| (0..w).step_by(w.div_ceil(24)).map(move |x| [x, y])).collect();
         let values: Vec<f32> = places.iter().map(|&[x, y]| self.map.at(x, y)).collect();
         let rows: Vec<f32> = places.iter().map(|&[_, y]| y as f32).collect();
-        spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
+        kind == pitfalls::BARE_TOP || spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
     }
 
     fn lens(&self, order: &Order) -> Lens {

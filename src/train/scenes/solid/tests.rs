@@ -10,7 +10,7 @@ const ALL: [usize; 4] = [36, 0, 7, 60];
 
 fn order<'a>(stock: &'a Stock, views: &'a [usize], curve: Curve) -> Order<'a> {
     let (size, focus) = ([96, 72], 0.85);
-    Order { stock, photos: &[], masked: &[], size, views, curve, range_px: 0.4, focus, noise: false }
+    Order { stock, photos: &[], masked: &[], size, views, curve, range_px: 0.4, focus, noise: false, pitfalls: 0.0 }
 }
 
 #[test]
@@ -114,4 +114,30 @@ fn ray_depths_span_the_range_that_was_asked_for() {
         assert!(made.disparities.iter().flatten().all(|d| d.is_finite()));
         assert!(made.pictures.iter().flat_map(|p| &p.px).flatten().all(|c| (0.0..=1.0).contains(c)));
     }
+}
+
+#[test]
+fn pitfalls_are_drawn_where_they_are_asked_for_and_nowhere_else() {
+    let stock = Stock::default();
+    let all = |pitfalls| Order { pitfalls, ..order(&stock, &ALL[..1], Curve::Relief) };
+    let mut kinds: Vec<&str> = (0..40).map(|index| make(&all(1.0), 3, index).kind).collect();
+    kinds.sort_unstable();
+    kinds.dedup();
+    assert_eq!(kinds, ["bare top", "bright", "portrait"]);
+    assert!((0..40).all(|index| !kinds.contains(&make(&all(0.0), 3, index).kind)));
+    let [a, b] = [0, 1].map(|_| make(&all(1.0), 3, 7));
+    assert!(a.pictures == b.pictures && a.disparities == b.disparities);
+}
+
+#[test]
+fn a_bare_top_is_lit_unevenly_whichever_way_it_runs() {
+    let stock = Stock::default();
+    let order = Order { pitfalls: 1.0, ..order(&stock, &ALL[..1], Curve::Relief) };
+    let tops = (0..120).map(|index| make(&order, 5, index)).filter(|made| made.kind == pitfalls::BARE_TOP);
+    // Brightness beside depth: now it rises with nearness, now it falls.
+    let told: Vec<f32> = tops
+        .map(|made| spearman(&made.pictures[0].px.iter().map(|c| c[1]).collect::<Vec<_>>(), &made.disparities[0]))
+        .collect();
+    let (with, against) = (told.iter().filter(|r| **r > 0.2).count(), told.iter().filter(|r| **r < -0.2).count());
+    assert!(with > told.len() / 8 && against > told.len() / 8, "{with} and {against} of {}", told.len());
 }
