@@ -10,6 +10,7 @@
 //! (a broken depth map in a sound photo) becomes a warning.
 
 pub mod apart;
+mod avi;
 pub mod carried;
 #[cfg(test)]
 mod data_tests;

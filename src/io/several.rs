@@ -1,4 +1,5 @@
-//! Files that hold several pictures of one subject: animations, stereo pairs side by side, and MPO; and folders of photos.
+//! Files that hold several pictures of one subject: animations, motion-JPEG films, stereo pairs side by side, and MPO; and
+//! folders of photos.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -9,7 +10,7 @@ use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
 
 use super::open::{open_content, read_file};
 use super::raster::{self, Raster, Samples};
-use super::{OpenError, Opened, PhotoFile, Problem, folder, formats, jpeg_parts};
+use super::{OpenError, Opened, PhotoFile, Problem, avi, folder, formats, jpeg_parts};
 use crate::field::{Photo, Size};
 use crate::job::Job;
 
@@ -17,7 +18,7 @@ use crate::job::Job;
 const SIDE_BY_SIDE: [&str; 2] = ["_sbs", "-sbs"];
 /// A picture of both eyes is at least this much wider than tall.
 const WIDE: u32 = 2;
-/// Most pictures of an animation that are kept.
+/// Most pictures of an animation or a film that are kept.
 const MOST: usize = 40;
 /// Type of a picture in an MPO that another eye sees (CIPA DC-007, "disparity").
 const OTHER_EYE: u32 = 0x02_0002;
@@ -47,12 +48,6 @@ pub fn folder_of_photos(path: &Path, job: &Job) -> Option<Vec<PathBuf>> {
     found.filter(|found| !found.is_empty())
 }
 
-/// Whether a file may hold several pictures, by its name.
-pub fn may_hold_several(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    ending == "mpo" || is_side_by_side(path)
-}
-
 /// The photos of a file, one after the other; mostly there is one.
 ///
 /// # Errors
@@ -64,9 +59,10 @@ pub fn photos(path: &Path, job: &Job) -> Result<Vec<PhotoFile>, OpenError> {
 fn read(path: &Path, job: &Job) -> Result<Vec<PhotoFile>, Problem> {
     let bytes = read_file(path)?;
     job.check()?;
-    let frames = animation(&bytes, job)?;
-    if frames.len() > 1 {
-        return Ok(frames);
+    for frames in [animation(&bytes, job)?, film(&bytes, job)?] {
+        if frames.len() > 1 {
+            return Ok(frames);
+        }
     }
     let photo = |bytes: &[u8]| match open_content(bytes, Some(path), job)? {
         Opened::Photo(file) => Ok(*file),
@@ -157,6 +153,18 @@ fn animation(bytes: &[u8], job: &Job) -> Result<Vec<PhotoFile>, Problem> {
         PhotoFile::from_raster(raster, "animation")
     };
     kept.into_iter().map(file).collect()
+}
+
+/// The pictures of a motion-JPEG film; none of other files. Of many, some that are evenly apart; what is damaged is left out.
+fn film(bytes: &[u8], job: &Job) -> Result<Vec<PhotoFile>, Problem> {
+    let all = avi::pictures(bytes);
+    let count = all.len().min(MOST);
+    let mut kept = Vec::with_capacity(count);
+    for i in 0..count {
+        job.check()?;
+        kept.extend(avi::photo(all[i * all.len() / count]).ok());
+    }
+    Ok(kept)
 }
 
 /// The pictures of other eyes in a JPEG, as the index of its multi-picture format names them.

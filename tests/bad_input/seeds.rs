@@ -45,6 +45,7 @@ pub fn of(line: &str) -> Vec<Seed> {
             seed("avif", As::File("a.avif"), avif().to_vec()),
             seed("stills-2", As::File("a"), [Bmp, Pnm, Gif].map(still).to_vec()),
         ],
+        name if name.starts_with("film: motion-JPEG in AVI") => file("avi", "a.avi", vec![film()]),
         "HCI 4-D benchmark scene" => folder("hci", &["parameters.cfg", "gt_disp_lowres.pfm"]),
         "Stanford archive" => folder("stanford", &["out_01_00_-0.000000_-1.000000.png"]),
         name if name.starts_with("folder of views (`view_V_U.png`") => {
@@ -91,8 +92,36 @@ pub fn of(line: &str) -> Vec<Seed> {
         "Gaussian splats (PLY)" => {
             file("splats", "a.ply", vec![written("a.ply", |path| write("gaussians", path)), splats()])
         }
+        "Gaussian splats (SPZ)" => file("packed-splats", "a.spz", vec![packed_splats()]),
         _ => Vec::new(),
     }
+}
+
+/// A motion-JPEG film of two pictures.
+fn film() -> Vec<u8> {
+    let chunk = |name: &[u8], data: &[u8]| {
+        let mut bytes = [name, &(data.len() as u32).to_le_bytes(), data].concat();
+        bytes.resize(bytes.len().next_multiple_of(2), 0);
+        bytes
+    };
+    let picture = chunk(b"00dc", &jpeg(&[]));
+    let movie = chunk(b"LIST", &[b"movi", &picture[..], &picture].concat());
+    chunk(b"RIFF", &[b"AVI ", &movie[..]].concat())
+}
+
+/// Three packed Gaussians beside each other.
+fn packed_splats() -> Vec<u8> {
+    let mut bytes = b"NGSP\x02\0\0\0\x03\0\0\0\0\x08\0\0".to_vec();
+    for x in [-100i32, 0, 100] {
+        bytes.extend([x, 0, -512].iter().flat_map(|value| value.to_le_bytes()[..3].to_vec()));
+    }
+    bytes.extend([[250; 3], [200, 128, 100], [128; 3]].concat());
+    bytes.extend([[128; 3]; 2].concat());
+    bytes.extend([130; 9]);
+    bytes.extend([128; 9]);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut packed, &bytes).unwrap();
+    packed.finish().unwrap()
 }
 
 /// A few Gaussians as text, with the camera that SHARP adds.

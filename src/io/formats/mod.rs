@@ -32,7 +32,7 @@ use heifer::heifer_isobmff::HeifFile;
 use super::file_type::FileType;
 use super::raster::{avif, still};
 use super::save::SaveError;
-use super::{EmbeddedDepth, LightFieldFile, Opened, PhotoFile, Problem};
+use super::{EmbeddedDepth, LightFieldFile, Opened, PhotoFile, Problem, avi as film};
 use crate::field::Photo;
 use crate::job::Job;
 use phone::{apple, dynamic, gdepth, heic, jpeg, side_file, spatial};
@@ -111,7 +111,7 @@ pub struct Entry {
 
 /// Who reads and writes what: [`open`](fn@super::open) walks it from the top, so what is told by more stands higher. The
 /// README's table has the same lines; a test compares them.
-pub static TABLE: [Entry; 23] = [
+pub static TABLE: [Entry; 25] = [
     made("refocus", "photo: JPEG, PNG, TIFF, WebP", "save", "jpg").read(Reader::Files(&[
         jpeg::TYPE,
         still::PNG,
@@ -122,6 +122,7 @@ pub static TABLE: [Entry; 23] = [
         "photo: HEIC, AVIF, BMP, PNM, GIF (first frame)",
         Reader::Files(&[heic::TYPE, avif::TYPE, still::BMP, still::PNM, still::GIF]),
     ),
+    read("film: motion-JPEG in AVI (first picture; all with `burst`)", Reader::Files(&[film::TYPE])),
     field("hci", "HCI 4-D benchmark scene", Keeps::ViewsAndDepths, None, hci::write)
         .read(Reader::Folder(Some(hci::CONFIG), hci::read)),
     field("stanford", "Stanford archive", Keeps::Views, None, stanford::write)
@@ -157,6 +158,7 @@ pub static TABLE: [Entry; 23] = [
     read("processed Lytro file (`-stk.lfp`)", Reader::Files(&[lytro::TYPE])),
     field("gaussians", "Gaussian splats (PLY)", Keeps::Made, Some("ply"), gaussians::write)
         .read(Reader::Files(&[gaussians::TYPE])),
+    read("Gaussian splats (SPZ)", Reader::Files(&[gaussians::SPZ])),
     made("side-by-side", "side-by-side stereo", "stereo", "png"),
     made("mpo", "stereo pair (MPO)", "mpo", "mpo"),
     made("anaglyph", "red-cyan anaglyph (Dubois)", "stereo", "png"),

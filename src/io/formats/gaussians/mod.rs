@@ -3,9 +3,11 @@
 //!
 //! A Gaussian has `x y z`, `f_dc_0 … 2` and perhaps `f_rest_0 … 44` (spherical harmonics, channel after channel), `opacity`
 //! (logit), `scale_0 … 2` (logarithm) and `rot_0 … 3` (quaternion, w first). What else there is, is passed over.
+//! And SPZ, the same in few bytes ([`spz`]).
 
 mod header;
 mod read;
+mod spz;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -23,6 +25,10 @@ pub use write::write;
 /// How such a file is told, and opened: as the picture that its camera sees, with all that is needed for others.
 pub(crate) const TYPE: FileType = FileType { name: NAME, begins, photo: Some(open), ..FileType::UNKNOWN };
 
+/// The same of packed ones.
+pub(crate) const SPZ: FileType =
+    FileType { name: spz::NAME, begins: spz::begins, photo: Some(open_packed), ..FileType::UNKNOWN };
+
 const NAME: &str = "PLY";
 /// What `info` says of it.
 const FORMAT: &str = "Gaussian splats (PLY)";
@@ -34,8 +40,16 @@ fn begins(bytes: &[u8]) -> bool {
 }
 
 fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
+    pictured(read::read(bytes)?, FORMAT)
+}
+
+fn open_packed(bytes: &[u8]) -> Result<PhotoFile, Problem> {
+    pictured(spz::read(bytes)?, spz::FORMAT)
+}
+
+/// The picture of what was read, which knows its scene.
+fn pictured(read: read::Read, format: &'static str) -> Result<PhotoFile, Problem> {
     let job = Job { cancel: &Cancel::default(), sink: &() };
-    let read = read::read(bytes)?;
     let count = read.cloud.gaussians.len();
     let mut stage = Stage::new(read.cloud, read.camera, &job)?;
     stage.in_metres = read.in_metres;
@@ -43,7 +57,7 @@ fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
         stage.rig = Rig { step, zero, ..stage.rig };
     }
     let (rgba, map) = stage.photo(&job)?;
-    let mut file = PhotoFile::from_raster(picture(stage.size(), rgba), FORMAT)?;
+    let mut file = PhotoFile::from_raster(picture(stage.size(), rgba), format)?;
     let found = match stage.named {
         NamedCamera::File => "from the file",
         NamedCamera::Found => "none in the file: a view was looked for",
