@@ -53,6 +53,8 @@ pub enum Stage {
     Match,
     /// Finding where several photos were taken.
     Poses,
+    /// The mean of several photos.
+    Mean,
     /// The lens renderer.
     Refocus,
     /// Encoding and writing files.
@@ -70,6 +72,7 @@ impl Stage {
             Self::Sweep => "Measuring ray depths",
             Self::Match => "Matching the photos",
             Self::Poses => "Finding the cameras",
+            Self::Mean => "Taking the photos' mean",
             Self::Refocus => "Refocusing",
             Self::Save => "Saving",
         }

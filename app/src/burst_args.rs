@@ -25,6 +25,9 @@ pub struct Burst {
     /// it, or less where the scene would be deeper than usual
     #[arg(long, value_name = "SHARE", value_parser = values::baseline)]
     pub baseline: Option<f64>,
+    /// Replace the reference photo's noise by the photos' mean where they agree; its colours become sRGB
+    #[arg(long)]
+    pub denoise: bool,
     /// How it is written
     #[arg(long, value_name = "FORMAT", default_value = "views", value_parser = values::field_formats())]
     pub format: Kind,

@@ -11,6 +11,7 @@
 
 mod adjust;
 mod camera;
+mod denoise;
 mod error;
 mod fill;
 mod gain;
@@ -67,6 +68,8 @@ pub struct Solved {
     pub frames: Vec<Frame>,
     /// What was measured, at the size of the sweep.
     pub measured: Measured,
+    /// What the light of each frame that was given is multiplied by to be the reference photo's.
+    gains: Vec<[f32; 3]>,
     /// Whether what hides what has told near from far: without that both fit, and the depth net is asked.
     knows_sides: bool,
 }
@@ -81,11 +84,14 @@ pub fn solve(reference: &View, frames: &[View], f35_mm: Option<f32>, job: &Job) 
     job.check()?;
     let posed = pose::poses(&base, &pyramids, f35_mm, job)?;
     drop(pyramids);
+    let gains = |(i, view): (usize, &View)| {
+        let pairs = posed.points.iter().zip(&posed.seen[i]).filter_map(|(point, seen)| Some((point.0, (*seen)?)));
+        gain::gains(reference, view, pairs)
+    };
+    let gains: Vec<[f32; 3]> = frames.iter().enumerate().map(gains).collect();
     let matched = |(i, view): (usize, &View)| -> Option<Result<Frame, SynthError>> {
         let pose = posed.poses[i]?;
-        let pairs = posed.points.iter().zip(&posed.seen[i]).filter_map(|(point, seen)| Some((point.0, (*seen)?)));
-        let gains = gain::gains(reference, view, pairs);
-        Some(gain::matched(view, gains).map(|view| Frame { view, pose }).map_err(SynthError::from))
+        Some(gain::matched(view, gains[i]).map(|view| Frame { view, pose }).map_err(SynthError::from))
     };
     let frames: Vec<Frame> = frames.iter().enumerate().filter_map(matched).collect::<Result<_, _>>()?;
     let size = fit_long_side(reference.size(), SWEEP_LONG_SIDE);
@@ -93,7 +99,7 @@ pub fn solve(reference: &View, frames: &[View], f35_mm: Option<f32>, job: &Job) 
     let swept = frames_at(&frames, size)?;
     let measured = sweep::measure(&small, &swept, posed.focal, wanted_range(&posed), job)?;
     let is_inside_out = sides::is_inside_out(&small, &measured, &swept, posed.focal);
-    let solved = Solved { posed, frames, measured, knows_sides: is_inside_out.is_some() };
+    let solved = Solved { posed, frames, measured, gains, knows_sides: is_inside_out.is_some() };
     Ok(if is_inside_out == Some(true) { solved.inside_out() } else { solved })
 }
 
@@ -187,6 +193,35 @@ impl Solved {
         let px = rho.map(|rho| step.disparity_px(rho.into(), size[0]) as f32);
         let map = DisparityMap::new(size, px.into_pixels()).map_err(SynthError::from)?;
         Ok(upsample::to_guide(&map, reference, job)?)
+    }
+
+    /// The reference photo, of any size, with less noise. `frame` gives a frame by its number as it was taken, none where
+    /// it cannot be read again.
+    ///
+    /// # Errors
+    /// Stopped, or what `frame` says.
+    pub fn denoised<E: From<BurstError>>(
+        &self,
+        photo: &View,
+        frame: impl Fn(usize) -> Result<Option<View>, E>,
+        job: &Job,
+    ) -> Result<View, E> {
+        let own = |error: SynthError| E::from(BurstError::from(error));
+        let size = self.measured.inverse_depth.size();
+        let small = resized(photo, size).map_err(own)?;
+        let rho = fill::filled(&self.measured, None, &small, job.cancel).map_err(BurstError::from)?;
+        let mut mean = denoise::Mean::new(photo, &rho, self.posed.focal);
+        let posed: Vec<(usize, Pose)> =
+            self.posed.poses.iter().enumerate().filter_map(|(i, pose)| Some((i, (*pose)?))).collect();
+        for (done, (i, pose)) in posed.iter().enumerate() {
+            denoise::advance(job, done, posed.len())?;
+            if let Some(view) = frame(*i)? {
+                let view = gain::matched(&view, self.gains[*i]).map_err(BurstError::from)?;
+                mean.add(&view, pose, job.cancel)?;
+            }
+        }
+        denoise::advance(job, posed.len(), posed.len())?;
+        Ok(mean.finish()?)
     }
 
     /// A light field of the reference view's map whose rays come from those who saw them, and where each comes from.

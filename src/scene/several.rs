@@ -1,6 +1,6 @@
 //! A subject of several photos: one is looked at, the others saw more of it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,10 +10,10 @@ use super::picture::{MadeBy, MadeViews, Scene};
 use super::{Content, Making, Need, OnePhoto, SceneError, Subject};
 use crate::burst::{self, BurstError, Solved};
 use crate::errors::sentence;
-use crate::field::{DisparityMap, Provenance, Seen, Size, View};
+use crate::field::{DisparityMap, Metadata, Photo, PhotoPixels, Provenance, Seen, Size, View};
 use crate::io::{PhotoFile, several};
 use crate::job::{Job, Stage};
-use crate::synth::{SynthParams, Synthesis, Synthesizer, reference_view, synthesize_bared, tract};
+use crate::synth::{SynthError, SynthParams, Synthesis, Synthesizer, reference_view, synthesize_bared, tract};
 
 /// Shapes that differ by more than this part are of other cameras, or turned.
 const SAME_SHAPE: f32 = 0.02;
@@ -23,11 +23,21 @@ const SAME_LENS: f32 = 0.03;
 /// Photos beside the one that is looked at.
 #[derive(Debug)]
 pub struct Several {
-    /// Small copies, and what they are called.
-    frames: Vec<(String, View)>,
+    frames: Vec<Other>,
     /// How much of the baseline the light field takes; none where the scene says it.
     share: Option<f64>,
     solved: Mutex<Option<Outcome>>,
+}
+
+/// One of them.
+#[derive(Clone, Debug)]
+struct Other {
+    /// What it is called.
+    name: String,
+    /// A small copy.
+    view: View,
+    /// Its file, and which picture of it.
+    source: (PathBuf, usize),
 }
 
 /// What they told, or why nothing.
@@ -40,6 +50,8 @@ pub struct SeveralAsked {
     pub reference: usize,
     /// How much of the baseline that was there lies between the reference view and the outermost ones.
     pub share: Option<f64>,
+    /// Whether the photo that is looked at takes the others' mean where they agree, which has less noise.
+    pub denoise: bool,
 }
 
 /// What is known of a light field of several photos, for people and for programs.
@@ -69,9 +81,9 @@ impl Subject {
         let mut own = several::photos(path, job)?.into_iter();
         let Some(first) = own.next() else { return Self::open(path, job) };
         first.warnings.iter().for_each(|warning| job.sink.warning(warning.clone()));
-        let mut frames: Vec<(String, View)> = Vec::new();
+        let mut frames: Vec<Other> = Vec::new();
         for (n, other) in own.enumerate() {
-            frames.extend(small(&other, &format!("picture {}", n + 2), &first, job)?);
+            frames.extend(small(&other, &format!("picture {}", n + 2), (path, n + 1), &first, job)?);
         }
         frames.extend(others(&files, asked.reference, &first, job)?);
         let mut subject = Self::from_opened(first.into(), path);
@@ -79,7 +91,11 @@ impl Subject {
             if frames.is_empty() {
                 job.sink.warning("There is only one photo that can be used, so its other views are made".to_owned());
             } else {
-                one.several = Some(Arc::new(Several { frames, share: asked.share, solved: Mutex::default() }));
+                let several = Several { frames, share: asked.share, solved: Mutex::default() };
+                if asked.denoise {
+                    one.photo = several.denoised(one, job)?;
+                }
+                one.several = Some(Arc::new(several));
             }
         }
         Ok(subject)
@@ -87,12 +103,7 @@ impl Subject {
 }
 
 /// The frames of all files but one, evenly chosen where there are too many.
-fn others(
-    files: &[PathBuf],
-    reference: usize,
-    first: &PhotoFile,
-    job: &Job,
-) -> Result<Vec<(String, View)>, SceneError> {
+fn others(files: &[PathBuf], reference: usize, first: &PhotoFile, job: &Job) -> Result<Vec<Other>, SceneError> {
     let mut rest: Vec<&PathBuf> =
         files.iter().enumerate().filter(|(i, _)| *i != reference).map(|(_, path)| path).collect();
     let most = burst::MOST - 1;
@@ -105,11 +116,14 @@ fn others(
         rest = (0..most).map(|i| rest[i * rest.len() / most]).collect();
     }
     let (done, total) = (AtomicU32::new(0), rest.len() as u32);
-    let read = |path: &&PathBuf| -> Result<Vec<(String, View)>, SceneError> {
+    let read = |path: &&PathBuf| -> Result<Vec<Other>, SceneError> {
         job.check()?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let found = match several::photos(path, job) {
-            Ok(files) => files.iter().map(|file| small(file, &name, first, job)).collect::<Result<Vec<_>, _>>()?,
+            Ok(files) => {
+                let small = |(n, file): (usize, &PhotoFile)| small(file, &name, (path, n), first, job);
+                files.iter().enumerate().map(small).collect::<Result<Vec<_>, _>>()?
+            }
             Err(error) => {
                 job.check()?;
                 job.sink.warning(format!("{} — it is left out", sentence(&error)));
@@ -123,13 +137,22 @@ fn others(
 }
 
 /// A frame as small as it is needed; none, and the person is told, where it is not of the reference photo's camera.
-fn small(file: &PhotoFile, name: &str, first: &PhotoFile, job: &Job) -> Result<Option<(String, View)>, SceneError> {
+fn small(
+    file: &PhotoFile,
+    name: &str,
+    source: (&Path, usize),
+    first: &PhotoFile,
+    job: &Job,
+) -> Result<Option<Other>, SceneError> {
     let shape = |size: Size| size[0] as f32 / size[1] as f32;
     let differs = |a: f32, b: f32, by: f32| (a / b - 1.0).abs() > by;
     let why = match (file.info.f35_mm, first.info.f35_mm) {
         _ if differs(shape(file.photo.size()), shape(first.photo.size()), SAME_SHAPE) => "it has another shape",
         (Some(a), Some(b)) if differs(a, b, SAME_LENS) => "it was taken with another lens or zoom",
-        _ => return Ok(Some((name.to_owned(), reference_view(&file.photo, burst::FRAME_LONG_SIDE, job)?))),
+        _ => {
+            let view = reference_view(&file.photo, burst::FRAME_LONG_SIDE, job)?;
+            return Ok(Some(Other { name: name.to_owned(), view, source: (source.0.to_owned(), source.1) }));
+        }
     };
     job.sink.warning(format!("{name} is left out — {why} than the first photo"));
     Ok(None)
@@ -159,7 +182,7 @@ impl Several {
 
     fn solve(&self, one: &OnePhoto, job: &Job) -> Result<Outcome, SceneError> {
         let reference = reference_view(&one.photo, burst::FRAME_LONG_SIDE, job)?;
-        let frames: Vec<View> = self.frames.iter().map(|(_, view)| view.clone()).collect();
+        let frames: Vec<View> = self.frames.iter().map(|other| other.view.clone()).collect();
         let solved = match burst::solve(&reference, &frames, one.f35_mm, job) {
             Ok(solved) => solved,
             Err(BurstError::Cancelled(stopped)) => return Err(stopped.into()),
@@ -167,11 +190,31 @@ impl Several {
             Err(error) => return Ok(Err(sentence(&error))),
         };
         let is_out = |i: usize| solved.posed.poses[i].is_none();
-        let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| self.frames[i].0.as_str()).collect();
+        let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| self.frames[i].name.as_str()).collect();
         if !out.is_empty() {
             job.sink.warning(format!("{} of the photos do not fit and are left out: {}", out.len(), out.join(", ")));
         }
         Ok(Ok(Arc::new(solved)))
+    }
+
+    /// The photo with less noise, where the others can be brought over it; its colours are sRGB then.
+    fn denoised(&self, one: &OnePhoto, job: &Job) -> Result<Arc<Photo>, SceneError> {
+        let Some(solved) = self.solved(one, job)? else { return Ok(Arc::clone(&one.photo)) };
+        let whole = |photo: &Photo| View::new(photo.size(), photo.srgb8().to_vec()).map_err(SynthError::from);
+        let frame = |i: usize| -> Result<Option<View>, SceneError> {
+            let (path, n) = &self.frames[i].source;
+            let files = several::photos(path, job)?;
+            files.get(*n).map(|file| whole(&file.photo).map_err(SceneError::from)).transpose()
+        };
+        let view = solved.denoised(&whole(&one.photo)?, frame, job)?;
+        let pixels = Arc::new(view.into_rgba());
+        let metadata = Metadata { icc: None, ..one.photo.metadata().clone() };
+        let photo = Photo::new(one.photo.size(), PhotoPixels::Eight(Arc::clone(&pixels)), pixels, metadata);
+        let photo = photo.map_err(SynthError::from)?;
+        Ok(Arc::new(match one.photo.source() {
+            Some(source) => photo.with_source(source),
+            None => photo,
+        }))
     }
 
     /// What was found, where it was.
@@ -199,7 +242,7 @@ pub(super) fn scene(
     job: &Job,
 ) -> Result<Option<Scene>, SceneError> {
     let Some(several) = &one.several else { return Ok(None) };
-    let pool = tract::pool(how.threads).map_err(|error| crate::synth::SynthError::Threads(error.to_string()))?;
+    let pool = tract::pool(how.threads).map_err(|error| SynthError::Threads(error.to_string()))?;
     let Some(solved) = pool.install(|| several.solved(one, job))? else { return Ok(None) };
     let guess = nets.and_then(|nets| nets.1);
     let solved = match guess {
@@ -344,6 +387,30 @@ mod tests {
     }
 
     #[test]
+    fn the_mean_of_the_photos_has_less_noise_and_no_ghosts() {
+        let taking = Taking { seed: 3, size: [400, 300], frames: 7, noise: 8.0, hand_m: 0.015, ..Taking::default() };
+        let (made, dir) = (Made::new(taking), tempfile::tempdir().unwrap());
+        let job = Job { cancel: &Cancel::default(), sink: &Told::default() };
+        let paths: Vec<PathBuf> =
+            made.views.iter().enumerate().map(|(i, view)| saved(dir.path(), &format!("{i}.png"), view)).collect();
+        let asked = SeveralAsked { denoise: true, ..SeveralAsked::default() };
+        let subject = Subject::open_several(&paths, asked, &job).unwrap();
+        let photo = subject.photo().unwrap();
+        let mean = View::new(photo.size(), photo.srgb8().to_vec()).unwrap();
+        let clean = made.sheared(taking.size, DVec3::ZERO, 0.0);
+        // What moves by itself keeps its noise, and is where it was.
+        let moves = made.moving(taking.size);
+        let error = |view: &View, of: bool| {
+            let pixels = view.pixels().iter().zip(clean.pixels()).zip(&moves).filter(|(_, moves)| **moves == of);
+            let squares: Vec<f64> = pixels.map(|((a, b), _)| (f64::from(a[1]) - f64::from(b[1])).powi(2)).collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        };
+        let own = &made.views[0];
+        assert!(error(&mean, false) < 0.6 * error(own, false), "{} {}", error(&mean, false), error(own, false));
+        assert!(error(&mean, true) < 1.05 * error(own, true), "{} {}", error(&mean, true), error(own, true));
+    }
+
+    #[test]
     fn a_camera_that_did_not_move_gives_one_photo_and_says_so() {
         let made = Made::new(Taking { size: [240, 180], frames: 1, ..Taking::default() });
         let (dir, told) = (tempfile::tempdir().unwrap(), Told::default());
@@ -355,7 +422,7 @@ mod tests {
         assert!(told.take().join("\n").contains("the camera did not move; one photo is used"));
         let one = Arc::new(Subject::open(&paths[0], &job).unwrap());
         assert_eq!(scene.map(), Maker::default().scene(&one, &how, Need::Map, &job).unwrap().map());
-        let wrong = SeveralAsked { reference: 2, share: None };
+        let wrong = SeveralAsked { reference: 2, ..SeveralAsked::default() };
         let error = Subject::open_several(&paths, wrong, &job).unwrap_err();
         assert!(error.to_string().contains("--reference"), "{error}");
     }

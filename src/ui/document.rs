@@ -61,8 +61,8 @@ impl Document {
     }
 
     /// Reads photos of one subject, and the edit that lies beside the first of them.
-    pub fn read_several(paths: &[PathBuf], job: &Job) -> Result<Self, String> {
-        let subject = Subject::open_several(paths, SeveralAsked::default(), job).map_err(|error| sentence(&error))?;
+    pub fn read_several(paths: &[PathBuf], asked: SeveralAsked, job: &Job) -> Result<Self, String> {
+        let subject = Subject::open_several(paths, asked, job).map_err(|error| sentence(&error))?;
         let Some(path) = subject.path.clone() else { return Ok(subject.into()) };
         let mut document = Self::with_sidecar(subject, &path, Vec::new());
         // The edit may be of the first photo alone; now they are looked at together.

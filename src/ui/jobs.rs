@@ -17,7 +17,7 @@ use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::field::{Photo, RayDepths, View, ViewIndex};
 use crate::job::{Cancel, Job, Progress, Sink};
-use crate::scene::{DepthFrom, Maker, Making, Need, SceneError, Subject};
+use crate::scene::{DepthFrom, Maker, Making, Need, SceneError, SeveralAsked, Subject};
 
 /// Where a picture comes from.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ pub enum OpenFrom {
     /// A file or folder.
     File(PathBuf),
     /// Photos of one subject, the one that is looked at first.
-    Several(Vec<PathBuf>),
+    Several(Vec<PathBuf>, SeveralAsked),
     /// Pixels of the clipboard, `[y, x, 4]`, and what they are called.
     Pixels([u32; 2], Vec<u8>, &'static str),
     /// The built-in sample.
@@ -105,7 +105,7 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
 fn making_of(load: &Load, document: &Document) -> Making {
     let making = load.making.clone();
     match (&load.from, document.source()) {
-        (OpenFrom::Several(_), _) => Making { source: DepthFrom::Auto, ..making },
+        (OpenFrom::Several(..), _) => Making { source: DepthFrom::Auto, ..making },
         (OpenFrom::File(_), Some(source)) => Making { source: source.clone(), ..making },
         _ => making,
     }
@@ -130,7 +130,7 @@ fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbo
             }
             None => Document::read(path, job)?,
         },
-        OpenFrom::Several(paths) => Document::read_several(paths, job)?,
+        OpenFrom::Several(paths, asked) => Document::read_several(paths, *asked, job)?,
         OpenFrom::Pixels(size, rgba, name) => {
             let mut rgba = rgba.clone();
             rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);

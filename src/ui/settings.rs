@@ -48,6 +48,8 @@ pub struct Settings {
     pub models_folder: Option<PathBuf>,
     /// Whether photos that were dropped together were of one subject the last time.
     pub drops_one_subject: bool,
+    /// Whether the first of several photos takes the mean of all, which has less noise.
+    pub takes_mean: bool,
     /// What was told once.
     pub hints: Hints,
 }
@@ -74,6 +76,7 @@ impl Default for Settings {
             trust_percent: 100.0 * trust::USUAL_LIMIT,
             models_folder: None,
             drops_one_subject: false,
+            takes_mean: false,
             hints: Hints::default(),
         }
     }

@@ -15,7 +15,8 @@ use crate::output::{say, say_json};
 /// Opens, finds the cameras, measures, and writes.
 pub fn run(args: &Burst, job: &Job) -> Result<()> {
     let how = input::how(&args.synth, args.recipe.recipe.as_deref())?;
-    let wanted = SeveralAsked { reference: usize::from(args.reference) - 1, share: args.baseline };
+    let wanted =
+        SeveralAsked { reference: usize::from(args.reference) - 1, share: args.baseline, denoise: args.denoise };
     let settings = Settings { kind: args.format, ..Settings::default() };
     let first = &args.photos[0];
     let target = target(&args.output, &settings, first);

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use egui::{Context, RichText, Ui};
 
+use crate::scene::SeveralAsked;
 use crate::ui::action::Action;
 use crate::ui::dialog::Dialog;
 use crate::ui::jobs::OpenFrom;
+use crate::ui::settings::Settings;
 use crate::ui::words::t;
 use crate::ui::{theme, widgets};
 
@@ -14,9 +16,10 @@ use crate::ui::{theme, widgets};
 const LISTED: usize = 6;
 
 /// Draws the question.
-pub fn show(files: &[PathBuf], is_one_subject: &mut bool, ctx: &Context) -> Vec<Action> {
+pub fn show(files: &[PathBuf], settings: &mut Settings, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
     let mut actions = Vec::new();
+    let Settings { drops_one_subject: is_one_subject, takes_mean, .. } = settings;
     let modal = widgets::modal(ctx, "many");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(420.0);
@@ -29,6 +32,7 @@ pub fn show(files: &[PathBuf], is_one_subject: &mut bool, ctx: &Context) -> Vec<
             names.push(t!("and-more", count = files.len() - LISTED));
         }
         ui.label(RichText::new(names.join(", ")).color(colors.weak));
+        ui.checkbox(takes_mean, t!("take-mean")).on_hover_text(t!("take-mean-hint"));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let button = |ui: &mut Ui, text: &str, is_main: bool| match is_main {
                 true => widgets::main_button(ui, text),
@@ -38,7 +42,8 @@ pub fn show(files: &[PathBuf], is_one_subject: &mut bool, ctx: &Context) -> Vec<
             if button(ui, t!("one-subject"), *is_one_subject).on_hover_text(hint).clicked() {
                 *is_one_subject = true;
                 actions.push(Action::CloseDialog);
-                actions.push(Action::Open(OpenFrom::Several(files.to_vec())));
+                let asked = SeveralAsked { denoise: *takes_mean, ..SeveralAsked::default() };
+                actions.push(Action::Open(OpenFrom::Several(files.to_vec(), asked)));
             }
             if button(ui, t!("open-first"), !*is_one_subject).clicked() {
                 *is_one_subject = false;

@@ -236,7 +236,7 @@ pub fn dialog(window: &mut Window, ctx: &Context) -> Vec<Action> {
         Some(Dialog::Path(wanted, text)) => path_box::show(*wanted, text, ctx),
         Some(Dialog::NearEnd(question)) => near_end::show(question, ctx),
         Some(Dialog::Added(shown)) => added::show(shown, ctx),
-        Some(Dialog::Many(files)) => many::show(files, &mut settings.drops_one_subject, ctx),
+        Some(Dialog::Many(files)) => many::show(files, settings, ctx),
         Some(Dialog::Broke(broke)) => broke::show(broke, ctx),
     }
 }

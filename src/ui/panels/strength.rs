@@ -1,12 +1,15 @@
 //! How deep the scene is: one number for views, epipolar images, ray depths and lens.
 
-use egui::Ui;
+use egui::{RichText, Ui};
 
 use crate::field::Strength;
 use crate::scene::Edit;
 use crate::ui::open::Open;
-use crate::ui::widgets::{self, Number};
-use crate::ui::words::t;
+use crate::ui::words::{self, t};
+use crate::ui::{
+    theme,
+    widgets::{self, Number},
+};
 
 /// The number and its slider, where there is depth.
 pub fn show(open: &Open, edit: &mut Edit, ui: &mut Ui) {
@@ -36,6 +39,11 @@ pub fn show(open: &Open, edit: &mut Edit, ui: &mut Ui) {
     // Who scrolls the inspector over it does not mean it.
     if response.changed() && (response.is_pointer_button_down_on() || response.clicked() || response.double_clicked()) {
         value = scale.value(place);
+    }
+    if let Some(found) = open.scene().and_then(|scene| scene.as_made().several()) {
+        let percent = 100.0 * found.share as f32 * value;
+        let text = t!("baseline-reach", percent = words::fixed(percent, 0));
+        ui.label(RichText::new(text).color(theme::palette(ui.ctx()).weak)).on_hover_text(t!("baseline-reach-hint"));
     }
     if value != before {
         edit.strength = Strength(value);

@@ -287,6 +287,8 @@ strength-hint = Wie tief die Szene ist: der Abstand der Ansichten, verglichen mi
 strength-hint-field = Wie weit die Ansichten auseinanderliegen; bei einem aufgenommenen Lichtfeld nicht weiter als sie waren
 strength = Tiefenstärke
 strength-slider = Regler für die Tiefenstärke
+baseline-reach = Die Strahlen reichen über { $percent } % der Basis
+baseline-reach-hint = Wie weit die äußersten Ansichten vom ersten Foto entfernt sind, verglichen mit der Kamera; die Tiefenstärke stellt es ein
 
 ## The views.
 views = Ansichten
@@ -323,6 +325,8 @@ files-count = { $count ->
 and-more = und { $count } weitere
 one-subject-hint = Freihändig von leicht verschiedenen Stellen aufgenommen: Die Tiefe wird gemessen, und was eines verdeckt, zeigt ein anderes
 one-subject = Ein Motiv
+take-mean = Weniger Rauschen: Mittel der Fotos
+take-mean-hint = Wo die anderen dasselbe zeigen, nimmt das erste Foto das Mittel aller; sonst bleibt es, wie es ist
 open-first = Erstes öffnen
 export-all-hint = Jedes wird ein Lichtfeld und mit dem jetzt eingestellten Objektiv geschrieben
 export-all = Alle exportieren…
@@ -727,6 +731,7 @@ heard-stage-occlusion = Verdeckungen korrigieren
 heard-stage-sweep = Strahltiefen messen
 heard-stage-match = Fotos abgleichen
 heard-stage-poses = Kameras finden
+heard-stage-mean = Mittel der Fotos bilden
 heard-stage-refocus = Nachfokussieren
 heard-stage-save = Speichern
 

@@ -287,6 +287,8 @@ strength-hint = How deep the scene is: the distance of the views, against how it
 strength-hint-field = How far the views stand apart; those of a recorded light field no farther than they were
 strength = Strength
 strength-slider = Strength slider
+baseline-reach = Rays reach over { $percent } % of the baseline
+baseline-reach-hint = How far the outermost views stand from the first photo, against how far the camera did; the strength sets it
 
 ## The views.
 views = Views
@@ -323,6 +325,8 @@ files-count = { $count ->
 and-more = and { $count } more
 one-subject-hint = A hand took them from places a little apart: depth is measured, and what one hides another shows
 one-subject = One subject
+take-mean = Less noise: the mean of the photos
+take-mean-hint = Where the others show the same, the first photo takes the mean of all of them; off, it stays as it is
 open-first = Open the first
 export-all-hint = Each one becomes a light field and is written with the lens that is set now
 export-all = Export all…
@@ -727,6 +731,7 @@ heard-stage-occlusion = Correcting occlusions
 heard-stage-sweep = Measuring ray depths
 heard-stage-match = Matching the photos
 heard-stage-poses = Finding the cameras
+heard-stage-mean = Taking the photos' mean
 heard-stage-refocus = Refocusing
 heard-stage-save = Saving
 
