@@ -3,7 +3,7 @@
 //!
 //! A Gaussian has `x y z`, `f_dc_0 … 2` and perhaps `f_rest_0 … 44` (spherical harmonics, channel after channel), `opacity`
 //! (logit), `scale_0 … 2` (logarithm) and `rot_0 … 3` (quaternion, w first). What else there is, is passed over.
-//! And SPZ, the same in few bytes ([`spz`]).
+//! And SPZ, the same in few bytes (`spz.rs`).
 
 mod header;
 mod read;
