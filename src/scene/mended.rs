@@ -150,6 +150,21 @@ mod tests {
     }
 
     #[test]
+    fn the_focus_stays_where_it_was_while_something_else_is_mended() {
+        let subject = subject();
+        let (plain, _) = scene(&subject, &Repairs::default(), Need::Map);
+        // What the scene is about goes behind all else: it is still what the scene is about.
+        let [x, y] = plain.subject_at();
+        let outline = [[x - 0.2, y - 0.2], [x + 0.2, y - 0.2], [x + 0.2, y + 0.2], [x - 0.2, y + 0.2]].to_vec();
+        let far = Repair::Region { of: Region::Lasso { outline, snap: 0.0 }, what: Operation::Farther(1e-2) };
+        let list = Repairs::default().with(far, Some(&subject.sign())).unwrap();
+        let (mended, _) = scene(&subject, &list, Need::Map);
+        let found = crate::scene::focus::subject(mended.map());
+        assert!(found != [x, y], "looked for anew, it would be another thing");
+        assert_eq!(mended.subject_at(), [x, y]);
+    }
+
+    #[test]
     fn at_another_strength_a_repair_moves_the_same_thing_as_much_more() {
         let (subject, strong) = (subject(), Strength(2.0));
         let list = repairs(&subject);

@@ -134,11 +134,12 @@ impl Scene {
         Self { took, ..self }
     }
 
-    /// The same with another map, and views of it where there were views.
+    /// The same with another map, and views of it where there were views. It stays about what it was about: the focus must
+    /// not leap while something else is mended.
     pub(super) fn with_mended(&self, map: Arc<DisparityMap>, views: Option<MadeViews>) -> Result<Self, SceneError> {
         Rgbd::check(self.subject.size(), &map)?;
         let unmended = Some(Arc::new(self.unmended().clone()));
-        let (subject_at, ends) = (OnceLock::new(), OnceLock::new());
+        let (subject_at, ends) = (OnceLock::from(self.subject_at()), OnceLock::new());
         Ok(Self { map, subject_at, ends, views, unmended, ..self.clone() })
     }
 

@@ -9,7 +9,7 @@ use super::cache::{Cache, CacheKey, Entry};
 use super::picture::{Signed, reference_view};
 use super::pipeline::{Made, Synthesizer};
 use super::range::Metric;
-use super::{SynthError, SynthParams, Synthesis, lambertian, lift, tract};
+use super::{DepthSource, SynthError, SynthParams, Synthesis, lambertian, lift, tract};
 use crate::field::{DisparityMap, LightField, Photo, View, ViewIndex, fit_long_side};
 use crate::job::Job;
 
@@ -55,6 +55,8 @@ impl Synthesizer {
         cache: Option<&Cache>,
         job: &Job,
     ) -> Result<(DisparityMap, Option<Metric>), SynthError> {
+        // What a phone measured is brought to the views' size sooner than a large photo is known again.
+        let cache = cache.filter(|_| params.source != DepthSource::Phone || params.phone.is_none());
         let key = cache.map(|cache| (cache, CacheKey::new(photo, params, &self.manifests(params))));
         let known = key.as_ref().and_then(|(cache, key)| cache.read_map(key));
         let size = fit_long_side(photo.size(), params.long_side.max(1));

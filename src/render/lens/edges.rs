@@ -189,7 +189,9 @@ impl Grid {
 
     /// The two sides of a window, if there is a step in it.
     fn two(&self, depths: &[f32; WINDOW]) -> Option<Two> {
-        let [low, high] = depths.iter().fold([f32::MAX, f32::MIN], |[low, high], d| [low.min(*d), high.max(*d)]);
+        // Maps are finite: nothing needs to be asked of what is no number.
+        let wider = |[low, high]: [f32; 2], d: f32| [if d < low { d } else { low }, if d > high { d } else { high }];
+        let [low, high] = depths.iter().fold([f32::MAX, f32::MIN], |ends, d| wider(ends, *d));
         if (high - low) * self.ratio <= NO_EDGE {
             return None;
         }

@@ -157,19 +157,24 @@ fn put(pixel: &mut [f32; 4], light: [f32; 4]) {
     if cover <= 1e-5 {
         return;
     }
-    let share = closed(cover).min(pixel[3]);
+    let share = at_most(closed(cover), pixel[3]);
     let part = share / cover;
-    for c in 0..3 {
-        pixel[c] += part * light[c].max(0.0);
-    }
-    pixel[3] -= share;
+    let lit = light.map(|v| if v > 0.0 { v } else { 0.0 });
+    let [r, g, b, left] = *pixel;
+    *pixel = [r + part * lit[0], g + part * lit[1], b + part * lit[2], left - share];
+}
+
+/// The lesser of two numbers, without a look at what is none.
+#[inline(always)]
+fn at_most(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// Coverage with its last per cent closed: a surface whose blur changes from place to place spreads a little unevenly,
 /// and a bright background would show through a dark one.
 #[inline(always)]
 fn closed(cover: f32) -> f32 {
-    if cover < 0.8 { cover } else { (cover + 0.015 * ((cover - 0.8) * 10.0).min(1.0)).min(1.0) }
+    if cover < 0.8 { cover } else { at_most(cover + 0.015 * at_most((cover - 0.8) * 10.0, 1.0), 1.0) }
 }
 
 impl Sheet {
@@ -269,9 +274,8 @@ impl Sheet {
             for out in out.iter_mut() {
                 let beside = if odd { &row[cell + 1] } else { &row[cell - 1] };
                 let own = &row[cell];
-                for (c, out) in out.iter_mut().enumerate() {
-                    *out += share * (0.75 * own[c] + 0.25 * beside[c]);
-                }
+                let between = |c: usize| 0.75 * own[c] + 0.25 * beside[c];
+                add(out, &[between(0), between(1), between(2), between(3)], share);
                 cell += usize::from(odd);
                 odd = !odd;
             }
@@ -296,9 +300,9 @@ fn step(row: &mut [[f32; 4]], at: usize, light: &[f32; 4], parts: [f32; 2]) {
     }
 }
 
+/// All four at once: written one by one they would be computed one by one.
 #[inline(always)]
 fn add(to: &mut [f32; 4], what: &[f32; 4], times: f32) {
-    for (to, what) in to.iter_mut().zip(what) {
-        *to += what * times;
-    }
+    let [r, g, b, a] = *to;
+    *to = [r + what[0] * times, g + what[1] * times, b + what[2] * times, a + what[3] * times];
 }

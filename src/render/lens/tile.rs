@@ -35,14 +35,16 @@ pub(super) struct Optics<'a> {
     /// Pixels that the widest kernel reaches.
     pub(super) reach: i32,
     pub(super) size: [u32; 2],
+    /// Parts of the picture's sides that a pixel has.
+    pub(super) per_px: [f32; 2],
 }
 
 impl Optics<'_> {
     /// Signed blur diameter in pixels, positive before the focal plane.
     #[inline]
     pub(super) fn blur(&self, disparity_px: f32, x: i32, y: i32) -> f32 {
-        let place = |at: i32, side: u32| (at as f32 + 0.5) / side as f32;
-        self.gain * self.lens.defocus_px(disparity_px, place(x, self.size[0]), place(y, self.size[1]))
+        let [x, y] = [(x, self.per_px[0]), (y, self.per_px[1])].map(|(at, per_px)| (at as f32 + 0.5) * per_px);
+        self.gain * self.lens.defocus_px(disparity_px, x, y)
     }
 }
 

@@ -15,6 +15,8 @@ const GAP: f32 = 14.0;
 /// Draws the hint that applies now, while nothing else asks for attention.
 pub fn show(window: &Window, ctx: &Context) -> Option<Action> {
     let is_quiet = window.dialog.is_none() && !window.is_busy() && window.compare.at().is_none();
+    // While something is mended, a click does not focus and a drag does not look round.
+    let is_quiet = is_quiet && !window.mending.is_on;
     let hint = window.settings.hints.next().filter(|_| is_quiet && window.open.field().is_some())?;
     let (at, pivot) = place(hint, window)?;
     let colors = theme::palette(ctx);

@@ -30,9 +30,13 @@ const DEPTH_URN: [&str; 2] = ["urn:mpeg:hevc:2015:auxid:2", "urn:mpeg:mpegB:cicp
 /// Opens a HEIC photo and the depth in it.
 fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     let file = HeifFile::parse(bytes).map_err(problem)?;
-    let mut photo = PhotoFile::from_raster(decode_photo(bytes, &file)?, FORMAT)?;
     let mut warnings = Vec::new();
-    let depth = formats::depth_in(&mut warnings, |reader| reader.heic.and_then(|read| read(&file, bytes)));
+    // The depth is decoded while the picture comes through its pipe.
+    let (photo, depth) = rayon::join(
+        || PhotoFile::from_raster(decode_photo(bytes, &file)?, FORMAT),
+        || formats::depth_in(&mut warnings, |reader| reader.heic.and_then(|read| read(&file, bytes))),
+    );
+    let mut photo = photo?;
     depth.into_iter().for_each(|depth| photo.set_depth(depth));
     if spatial::stereo_pair(bytes).is_some() {
         photo.info.notes.push(("spatial photo".to_owned(), "two eyes".to_owned()));
