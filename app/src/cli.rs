@@ -440,10 +440,11 @@ pub struct Export {
     pub kind: Kind,
     #[command(flatten)]
     pub lens: LensArgs,
-    /// Size of the frames of focal-stack, animation, video and frames, of html and spatial: photo, light-field, or WxH to fit
+    /// Size of the frames of focal-stack, animation, video and frames, of html, and of each eye of anaglyph, side-by-side, mpo
+    /// and spatial: photo, light-field, or WxH to fit
     #[arg(long, value_name = "SIZE", value_parser = asked::picture_size)]
     pub size: Option<OutputSize>,
-    /// Frames of focal-stack and animation (24), and of video and frames (90, or its timeline's seconds)
+    /// Frames of focal-stack and animation (24), and of video and frames (90); a timeline has its own seconds
     #[arg(long, value_name = "N", value_parser = values::frames())]
     pub frames: Option<u16>,
     /// Frames a second of animation (12) and of video (30)

@@ -106,7 +106,7 @@ fn stack_into(
     let steps = u32::from(frames) + 1;
     for (number, lens) in (0..).zip(lenses(&scene.lens(edit), Motion::FocusPull(range), frames.into())) {
         job.advance(Stage::Refocus, number, steps)?;
-        write(&frame_name(number), &prepared.render(&lens, whole, &quiet)?)?;
+        write(&frame_name(number, frames.into()), &prepared.render(&lens, whole, &quiet)?)?;
     }
     job.advance(Stage::Refocus, steps - 1, steps)?;
     write("all_in_focus.png", &prepared.all_in_focus(&quiet)?)?;
@@ -188,23 +188,25 @@ pub fn sequence(
     edit: &Edit,
     moving: Moving,
     size: OutputSize,
-    (folder, frames): (&Path, u32),
+    (folder, count): (&Path, u32),
     job: &Job,
 ) -> Result<(), SceneError> {
     let fail = |error: std::io::Error| SaveError::from_io(&error, folder);
     let aside = NewFolder::new(folder).map_err(fail)?;
-    with_frames(scene, edit, moving, size, frames, job, |frames| {
+    with_frames(scene, edit, moving, size, count, job, |frames| {
         for (number, picture) in (0..).zip(frames) {
-            save::picture(&aside.path().join(frame_name(number)), &picture?, &PictureOptions::default())?;
+            let file = aside.path().join(frame_name(number, count));
+            save::picture(&file, &picture?, &PictureOptions::default()).map_err(|error| error.about(folder))?;
         }
         Ok(())
     })?;
     Ok(aside.put(is_of_stack).map_err(fail)?)
 }
 
-/// A picture of a folder.
-fn frame_name(number: u32) -> String {
-    format!("frame_{number:03}.png")
+/// A picture of a folder of so many, in whose order names are.
+fn frame_name(number: u32, count: u32) -> String {
+    let digits = if count > 1000 { 4 } else { 3 };
+    format!("frame_{number:0digits$}.png")
 }
 
 /// Hands the frames over, each made when it is asked for.

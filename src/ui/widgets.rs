@@ -43,6 +43,9 @@ pub fn arrows(ui: &Ui, response: &Response) -> f32 {
         return 0.0;
     }
     ui.data_mut(|data| data.insert_temp(takes_arrows(), response.id));
+    // Else the toolkit takes them for the way to the next thing.
+    let arrows = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..egui::EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
     let turns = |key: Key| ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key)) as f32;
     turns(Key::ArrowRight) + turns(Key::ArrowUp) - turns(Key::ArrowLeft) - turns(Key::ArrowDown)
 }

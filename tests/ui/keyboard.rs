@@ -93,6 +93,13 @@ fn a_session_by_keys_alone() {
     harness.key_press_modifiers(Modifiers::SHIFT, Key::K);
     steps(&mut harness, 3);
     assert!(harness.query_by_label("Key 2 at 3.0 s: focus, aperture, eye").is_some(), "two keys are there");
+    tab_to(&mut harness, Role::Slider, "Playhead, seconds");
+    for _ in 0..3 {
+        harness.key_press(Key::ArrowLeft);
+        steps(&mut harness, 2);
+    }
+    assert_eq!(focused(&harness), Some((Role::Slider, "Playhead, seconds".to_owned())), "arrows do not lead away");
+    assert_eq!(harness.state().edit().viewpoint, eye, "arrows are the playhead's");
     harness.key_press(Key::F);
     steps(&mut harness, 2);
 

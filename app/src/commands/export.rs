@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Result;
+use plenoscope::field::FNumber;
 use plenoscope::job::Job;
 use plenoscope::scene::asked::{self, How, Usage};
 use plenoscope::scene::export::{self, Group, Kind, Settings};
@@ -50,6 +51,7 @@ pub fn run(args: &Export, job: &Job) -> Result<()> {
         (Kind::Animation | Kind::Video | Kind::Frames, false) => {
             Edit { f_number: settings.movement.usual_f_number(), ..edit }
         }
+        (kind, false) if kind.is_of_eyes() => Edit { f_number: FNumber::PHOTO, ..edit },
         _ => edit,
     };
     if args.kind.spec().group == Group::LightField {
@@ -65,6 +67,10 @@ fn settings(args: &Export, how: &How) -> Result<Settings> {
         return Err(
             Usage("--embed is for --as picture — other files have no room for it — leave it out".to_owned()).into()
         );
+    }
+    if args.kind == Kind::FocalStack && args.frames.is_some_and(|frames| frames > Settings::MOST_PICTURES) {
+        let most = Settings::MOST_PICTURES;
+        return Err(Usage(format!("a focal stack has at most {most} pictures — ask for fewer with --frames")).into());
     }
     let usual = if timeline.is_some() { Movement::Timeline } else { Movement::default() };
     let mut settings = Settings {

@@ -104,11 +104,21 @@ impl SaveError {
 
     /// The same error about a file, where it was made without knowing which.
     fn at(self, file: &Path) -> Self {
-        let fill = |path: PathBuf| if path.as_os_str().is_empty() { file.to_owned() } else { path };
+        match &self {
+            Self::NoRights(path) | Self::DiskFull(path) | Self::Encode { path, .. } if path.as_os_str().is_empty() => {
+                self.about(file)
+            }
+            _ => self,
+        }
+    }
+
+    /// The same error about the file or folder that was asked for, where it was made about a part of it.
+    #[must_use]
+    pub(crate) fn about(self, file: &Path) -> Self {
         match self {
-            Self::NoRights(path) => Self::NoRights(fill(path)),
-            Self::DiskFull(path) => Self::DiskFull(fill(path)),
-            Self::Encode { why, path } => Self::Encode { why, path: fill(path) },
+            Self::NoRights(_) => Self::NoRights(file.to_owned()),
+            Self::DiskFull(_) => Self::DiskFull(file.to_owned()),
+            Self::Encode { why, .. } => Self::Encode { why, path: file.to_owned() },
             other => other,
         }
     }

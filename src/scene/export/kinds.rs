@@ -117,7 +117,7 @@ pub const KINDS: [Spec; 20] = [
         Group::Pictures,
         "{name}.html",
     ),
-    made_of_views(
+    made_of_map(
         Kind::SideBySide,
         "side-by-side",
         "Side by side",
@@ -125,7 +125,7 @@ pub const KINDS: [Spec; 20] = [
         Group::Pictures,
         "{name}_3D_SBS.png",
     ),
-    made_of_views(
+    made_of_map(
         Kind::Mpo,
         "mpo",
         "Stereo pair, MPO",
@@ -141,7 +141,7 @@ pub const KINDS: [Spec; 20] = [
         Group::Pictures,
         "{name}-spatial.heic",
     ),
-    made_of_views(
+    made_of_map(
         Kind::Anaglyph,
         "anaglyph",
         "Anaglyph",
@@ -269,10 +269,15 @@ impl Kind {
         !self.spec().file.is_empty() && !self.spec().file.contains('.')
     }
 
+    /// Whether it is what both eyes see.
+    pub fn is_of_eyes(self) -> bool {
+        matches!(self, Self::SideBySide | Self::Mpo | Self::Spatial | Self::Anaglyph)
+    }
+
     /// What must be made of a subject for it.
     pub fn need(self, size: OutputSize) -> Need {
         match self {
-            Self::Picture | Self::Spatial => Scene::need(size),
+            kind if kind == Self::Picture || kind.is_of_eyes() => Scene::need(size),
             kind if kind.spec().is_of_views => Need::Views,
             _ => Need::Map,
         }

@@ -132,10 +132,12 @@ impl Default for Film {
 }
 
 impl Settings {
-    /// Frames of a stack or an animation where nobody asks for another number, and how many there can be.
+    /// Frames of a stack or an animation where nobody asks for another number.
     pub const FRAMES: u16 = 24;
-    /// How many frames there can be.
-    pub const MOST_FRAMES: u16 = 250;
+    /// How many pictures a stack can have.
+    pub const MOST_PICTURES: u16 = 250;
+    /// How many frames an animation or a film can have: a minute at 50 a second.
+    pub const MOST_FRAMES: u16 = 3000;
     /// Frames a second of an animation.
     pub const FRAMES_PER_SECOND: u16 = 12;
     /// Long side of an animation, in pixels.
@@ -172,9 +174,10 @@ impl Settings {
     pub fn frames_and_rate(&self) -> (u16, u16) {
         let (frames, rate) = match self.kind {
             Kind::Video | Kind::Frames => (self.film.frames, self.film.frames_per_second),
-            _ => return (self.frames, self.frames_per_second),
+            _ => (self.frames, self.frames_per_second),
         };
-        let lasts = self.timeline.as_ref().filter(|_| self.movement == Movement::Timeline && !self.film.is_cut);
+        let is_timed = self.movement == Movement::Timeline && self.kind != Kind::FocalStack && !self.film.is_cut;
+        let lasts = self.timeline.as_ref().filter(|_| is_timed);
         (lasts.map_or(frames, |timeline| timeline.frames(rate)), rate)
     }
 
@@ -207,6 +210,22 @@ mod tests {
         targets.sort();
         targets.dedup();
         assert_eq!(targets.len(), KINDS.len(), "no two kinds write the same file");
+    }
+
+    #[test]
+    fn a_timeline_says_how_long_its_film_is() {
+        let timeline = Timeline { seconds: 20.0, ..Timeline::default() };
+        let timed = |kind, is_cut| Settings {
+            kind,
+            movement: Movement::Timeline,
+            timeline: Some(timeline.clone()),
+            film: Film { is_cut, ..Film::default() },
+            ..Settings::default()
+        };
+        assert_eq!(timed(Kind::Video, false).frames_and_rate(), (600, 30));
+        assert_eq!(timed(Kind::Animation, false).frames_and_rate(), (240, 12));
+        assert_eq!(timed(Kind::Animation, true).frames_and_rate(), (Settings::FRAMES, 12));
+        assert_eq!(timed(Kind::FocalStack, false).frames_and_rate().0, Settings::FRAMES);
     }
 
     #[test]

@@ -90,7 +90,7 @@ pub fn write(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job
             }
         }
         Kind::Living => living::write(scene, edit, settings, target, job),
-        Kind::Spatial => spatial(scene, edit, settings, target, job),
+        kind if kind.is_of_eyes() => of_eyes(scene, edit, settings, target, job),
         Kind::DepthPng | Kind::DepthPfm | Kind::Gdepth => depth(scene, settings.kind, target, job),
         _ => of_views(scene, settings, target, job),
     }
@@ -140,14 +140,23 @@ fn depth(scene: &Scene, kind: Kind, target: &Path, job: &Job) -> Result<(), Scen
 }
 
 /// The picture as both eyes see it, through the lens.
-fn spatial(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
+fn of_eyes(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
     let [left, right] = edit.for_eyes(settings.eyes_apart).map(|edit| scene.shown(&edit, settings.size(), job));
-    let (focal, step_m) = scene.camera(edit);
-    let eyes = stereo_heic::Eyes { focal, apart_m: settings.eyes_apart * step_m };
-    Ok(stereo_heic::write(target, [&left?, &right?], eyes, job)?)
+    let [left, right] = [&left?, &right?];
+    job.advance(Stage::Save, 0, 1)?;
+    Ok(match settings.kind {
+        Kind::Anaglyph => stereo::write_anaglyph(target, left, right)?,
+        Kind::Mpo => mpo::write(target, left, right)?,
+        Kind::SideBySide => stereo::write_side_by_side(target, left, right)?,
+        _ => {
+            let (focal, step_m) = scene.camera(edit);
+            let eyes = stereo_heic::Eyes { focal, apart_m: settings.eyes_apart * step_m };
+            stereo_heic::write(target, [left, right], eyes, job)?;
+        }
+    })
 }
 
-/// What is made of all views: light fields, stereo pictures, point clouds.
+/// What is made of all views: light fields, quilts, point clouds.
 fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Result<(), SceneError> {
     let MadeViews { field, depths, provenance } = scene.views().ok_or(SceneError::NoViews)?;
     // A dark light field is shown brighter, and written as it is.
@@ -162,20 +171,9 @@ fn of_views(scene: &Scene, settings: &Settings, target: &Path, job: &Job) -> Res
     if let Some(Writer::Field(write)) = writer {
         return Ok(write(target, &source, job)?);
     }
-    match settings.kind {
-        Kind::Ply => ply::write(target, &source)?,
-        Kind::Quilt => {
-            let reach = field.grid().cols() as f32 / 2.0;
-            quilt::write(target, settings.device(), [-reach, reach - 1.0], &view, job)?;
-        }
-        kind => {
-            let [left, right] = stereo::eyes(settings.eyes_apart).map(view);
-            match kind {
-                Kind::Anaglyph => stereo::write_anaglyph(target, &left, &right)?,
-                Kind::Mpo => mpo::write(target, &left, &right)?,
-                _ => stereo::write_side_by_side(target, &left, &right)?,
-            }
-        }
+    if settings.kind == Kind::Ply {
+        return Ok(ply::write(target, &source)?);
     }
-    Ok(())
+    let reach = field.grid().cols() as f32 / 2.0;
+    Ok(quilt::write(target, settings.device(), [-reach, reach - 1.0], &view, job)?)
 }

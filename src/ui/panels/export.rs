@@ -114,15 +114,13 @@ fn rows(ui: &mut Ui, export: &mut Export) {
         }
         Kind::Living => size_row(ui, settings, open),
         Kind::FocalStack => {
-            frames_row(ui, settings, false);
+            pictures_row(ui, settings);
             size_row(ui, settings, open);
         }
         Kind::Animation => animation_rows(ui, settings),
         Kind::Video | Kind::Frames => film_rows(ui, settings),
         Kind::SideBySide | Kind::Mpo | Kind::Spatial | Kind::Anaglyph => {
-            if settings.kind == Kind::Spatial {
-                size_row(ui, settings, open);
-            }
+            size_row(ui, settings, open);
             widgets::labelled(ui, t!("eyes-apart"), |ui| {
                 let drag = egui::DragValue::new(&mut settings.eyes_apart).range(0.0..=16.0).speed(0.02);
                 ui.add(widgets::spoken(drag).max_decimals(1).suffix(t!("suffix-views")));
@@ -161,15 +159,29 @@ fn rows(ui: &mut Ui, export: &mut Export) {
     }
 }
 
-fn frames_row(ui: &mut Ui, settings: &mut Settings, is_animation: bool) {
+/// How many pictures a stack has.
+fn pictures_row(ui: &mut Ui, settings: &mut Settings) {
     widgets::labelled(ui, t!("frames"), |ui| {
-        ui.add(egui::DragValue::new(&mut settings.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
-        if is_animation {
-            let rate = egui::DragValue::new(&mut settings.frames_per_second).range(1..=50).speed(0.1);
-            ui.add(rate.suffix(t!("suffix-a-second")));
-            let secs = f32::from(settings.frames) / f32::from(settings.frames_per_second.max(1));
-            ui.weak(t!("seconds", secs = words::fixed(secs, 1)));
+        ui.add(egui::DragValue::new(&mut settings.frames).range(2..=Settings::MOST_PICTURES).speed(0.2));
+    });
+}
+
+/// How many frames an animation or a film has, and how many a second. A timeline says how long it is.
+fn frames_row(ui: &mut Ui, settings: &mut Settings) {
+    let is_timed = settings.movement == Movement::Timeline && settings.timeline.is_some();
+    let (count, rate_before) = settings.frames_and_rate();
+    let (frames, rate) = match settings.kind {
+        Kind::Animation => (&mut settings.frames, &mut settings.frames_per_second),
+        _ => (&mut settings.film.frames, &mut settings.film.frames_per_second),
+    };
+    widgets::labelled(ui, t!("frames"), |ui| {
+        if is_timed {
+            ui.weak(count.to_string());
+        } else {
+            ui.add(egui::DragValue::new(frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
         }
+        ui.add(egui::DragValue::new(rate).range(1..=50).speed(0.1).suffix(t!("suffix-a-second")));
+        ui.weak(t!("seconds", secs = words::fixed(f32::from(count) / f32::from(rate_before.max(1)), 1)));
     });
 }
 
@@ -192,20 +204,9 @@ fn movement_row(ui: &mut Ui, settings: &mut Settings) {
 
 fn film_rows(ui: &mut Ui, settings: &mut Settings) {
     movement_row(ui, settings);
-    let is_timed = settings.movement == Movement::Timeline && settings.timeline.is_some();
-    let (frames, rate_before) = settings.frames_and_rate();
+    frames_row(ui, settings);
     let is_film = settings.kind == Kind::Video;
     let film = &mut settings.film;
-    widgets::labelled(ui, t!("frames"), |ui| {
-        if is_timed {
-            ui.weak(frames.to_string());
-        } else {
-            ui.add(egui::DragValue::new(&mut film.frames).range(2..=Settings::MOST_FRAMES).speed(0.2));
-        }
-        let rate = egui::DragValue::new(&mut film.frames_per_second).range(1..=50).speed(0.1);
-        ui.add(rate.suffix(t!("suffix-a-second")));
-        ui.weak(t!("seconds", secs = words::fixed(f32::from(frames) / f32::from(rate_before.max(1)), 1)));
-    });
     widgets::labelled(ui, t!("fits-into"), |ui| {
         let all = [[1280, 720], [1920, 1080], [3840, 2160]].map(|size| (OutputSize::Within(size), size[1]));
         let names = all.map(|(size, height)| (size, format!("{height}p")));
@@ -223,7 +224,7 @@ fn film_rows(ui: &mut Ui, settings: &mut Settings) {
 
 fn animation_rows(ui: &mut Ui, settings: &mut Settings) {
     movement_row(ui, settings);
-    frames_row(ui, settings, true);
+    frames_row(ui, settings);
     widgets::labelled(ui, t!("long-side"), |ui| {
         let mut side = match settings.animation_size {
             OutputSize::LongSide(side) => side,

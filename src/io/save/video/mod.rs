@@ -10,6 +10,7 @@ mod yuv;
 use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::{Receiver, sync_channel};
 
 use rav1e::config::SpeedSettings;
 use rav1e::prelude::*;
@@ -75,20 +76,48 @@ pub(super) fn video<E: From<SaveError>>(
 ) -> Result<(), E> {
     let write = writer(path).ok_or_else(|| SaveError::Animation(path.to_owned()))?;
     let rate = u32::from(frames_per_second.max(1));
-    let mut coder: Option<Coder> = None;
-    for frame in frames {
-        let frame = frame?;
-        let coder = match &mut coder {
-            Some(coder) => coder,
-            none => none.insert(Coder::new(frame.size, rate).map_err(|why| odd(path, why))?),
-        };
-        coder.push(&frame).map_err(|why| odd(path, why))?;
-    }
-    let film = coder.ok_or(SaveError::Cancelled)?.finish().map_err(|why| odd(path, why))?;
+    let film = coded(frames, rate, path)?;
     Ok(atomic(path, |file| {
         let mut out = std::io::BufWriter::with_capacity(1 << 18, file);
         write(&mut out, &film).and_then(|()| out.flush()).map_err(|error| SaveError::from_io(&error, path))
     })?)
+}
+
+/// Makes frames here and packs them on a thread of its own, so that neither waits for the other's slowest row.
+fn coded<E: From<SaveError>>(
+    frames: impl Iterator<Item = Result<Picture, E>>,
+    rate: u32,
+    path: &Path,
+) -> Result<Film, E> {
+    let (give, take) = sync_channel(1);
+    std::thread::scope(move |scope| {
+        let name = std::thread::Builder::new().name("film".to_owned());
+        let coder =
+            name.spawn_scoped(scope, move || packed(&take, rate)).map_err(|error| odd(path, error.to_string()))?;
+        for frame in frames {
+            // Where the coder has ended already, it says why.
+            if give.send(Some(frame?)).is_err() {
+                break;
+            }
+        }
+        let _ = give.send(None);
+        let film = coder.join().unwrap_or_else(|_| Err("the encoder failed".to_owned()));
+        Ok(film.map_err(|why| odd(path, why))?.ok_or(SaveError::Cancelled)?)
+    })
+}
+
+/// Packs what comes until it is said to be the end. None where there was no frame, or no end: then nobody wants the film.
+fn packed(frames: &Receiver<Option<Picture>>, rate: u32) -> Result<Option<Film>, String> {
+    let mut coder: Option<Coder> = None;
+    while let Ok(frame) = frames.recv() {
+        let Some(frame) = frame else { return coder.map(Coder::finish).transpose() };
+        let coder = match &mut coder {
+            Some(coder) => coder,
+            none => none.insert(Coder::new(frame.size, rate)?),
+        };
+        coder.push(&frame)?;
+    }
+    Ok(None)
 }
 
 fn odd(path: &Path, why: String) -> SaveError {
