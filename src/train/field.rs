@@ -98,12 +98,12 @@ impl TrueField {
         if !fits(zero.v, grid.rows()) || !fits(zero.u, grid.cols()) {
             return Err(TrueFieldError::Grid { rows: grid.rows(), cols: grid.cols(), path: path.to_owned() });
         }
-        let size = field.size().map(|side| side as usize);
-        let view = |layer| {
-            let texel = |p: &[u8]| [0, 1, 2].map(|c| (f32::from(p[c]) / 255.0).powf(gamma));
-            Raster { size, px: field.view(around(zero, layer)).rgba().chunks_exact(4).map(texel).collect() }
-        };
-        Ok((0..64).map(view).collect())
+        Ok((0..64).map(|layer| picture(field.view(around(zero, layer)), gamma)).collect())
+    }
+
+    /// The views of a light field of the paper's grid.
+    pub fn of_views(field: &LightField) -> Vec<Rgb> {
+        field.grid().views().map(|at| picture(field.view(at), 1.0)).collect()
     }
 
     /// The view that the prediction is made from.
@@ -129,6 +129,12 @@ impl TrueField {
         let map = sweep::reference_map(&field, &Job { cancel: &cancel, sink: &() })?;
         Ok(Raster { size: self.size, px: map.into_disparity_px() })
     }
+}
+
+/// A view, its colours raised to a power.
+fn picture(view: &View, gamma: f32) -> Rgb {
+    let texel = |p: &[u8]| [0, 1, 2].map(|c| (f32::from(p[c]) / 255.0).powf(gamma));
+    Raster { size: view.size().map(|side| side as usize), px: view.rgba().chunks_exact(4).map(texel).collect() }
 }
 
 /// Where a layer of the 8 × 8 views lies in a grid whose reference view is `zero`.

@@ -30,7 +30,7 @@ const REUSE: u64 = 8;
 const GAMMA: (f32, f32) = (0.4, 1.0);
 
 /// Ends of the names of files that hold a light field; folders may hold one, too.
-const ENDINGS: [&str; 3] = ["_eslf.png", ".lfp", packed::ENDING];
+pub const ENDINGS: [&str; 3] = ["_eslf.png", ".lfp", packed::ENDING];
 
 /// A decoded light field: its 8 × 8 views `[view, y, x, 3]`.
 struct Field {

@@ -52,19 +52,15 @@ pub fn evaluate(
     count: usize,
     seen: &dyn Fn(usize),
 ) -> anyhow::Result<Report> {
-    let mix = Mix { real: 0.0, solid: 0.0, ..Mix::default() };
-    let config =
-        Config { data: data.to_owned(), long_side: photos::LONG_SIDE, mix, split: Split::Val, ..Config::default() };
-    let source = Source::new(&config)?;
-    let pictures = &source.library().pictures;
-    let flowers: Vec<usize> = source.masked().filter(|&i| pictures[i].id.starts_with("flowers")).take(count).collect();
-    let order: Vec<usize> = std::iter::once(REFERENCE).chain((0..64).filter(|&i| i != REFERENCE)).collect();
+    let (source, photos) = held_out(data, photos::LONG_SIDE)?;
+    let is_flower = |i: &usize| source.library().pictures[*i].id.starts_with("flowers");
+    let flowers: Vec<usize> = photos.into_iter().filter(is_flower).take(count).collect();
     let mut scenes = Vec::with_capacity(flowers.len());
     let mut tiles = Vec::new();
     let all = flowers.len();
     for picture in flowers {
         let scene =
-            Scene::new(&source.constructed(picture, order.clone())).context("a scene of fewer than 64 views")?;
+            Scene::new(&source.constructed(picture, all_views())).context("a scene of fewer than 64 views")?;
         let (found, row) = scene.compare(predictor)?;
         scenes.push(found);
         if tiles.len() < 12 {
@@ -73,6 +69,24 @@ pub fn evaluate(
         seen(all);
     }
     Ok(Report { figures: figures(&scenes), tiles })
+}
+
+/// The engine over the validation photos, and which of them have a mask: flowers, then the others.
+///
+/// # Errors
+/// A data folder that cannot be used.
+pub fn held_out(data: &std::path::Path, long_side: usize) -> anyhow::Result<(Source, Vec<usize>)> {
+    let mix = Mix { real: 0.0, solid: 0.0, ..Mix::default() };
+    let config = Config { data: data.to_owned(), long_side, mix, split: Split::Val, ..Config::default() };
+    let source = Source::new(&config)?;
+    let mut photos: Vec<usize> = source.masked().collect();
+    photos.sort_by_key(|&i| !source.library().pictures[i].is_flower());
+    Ok((source, photos))
+}
+
+/// All views as samples hold them, the reference view first.
+pub fn all_views() -> Vec<usize> {
+    std::iter::once(REFERENCE).chain((0..64).filter(|&i| i != REFERENCE)).collect()
 }
 
 fn figures(scenes: &[Found]) -> Figures {

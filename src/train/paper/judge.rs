@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::Result;
+use plenoscope::job::{Cancel, Job};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -13,6 +14,7 @@ use crate::config::Config;
 use crate::eval::light_field::closeness;
 use crate::eval::metrics::correlation;
 use crate::eval::{CORNERS, Rgb, TrueField, metrics, warp};
+use crate::field::light_field;
 use crate::loss::{self, Maps};
 use crate::nets::{REFERENCE, VIEWS};
 use crate::run::Nets;
@@ -54,24 +56,34 @@ pub struct Figures {
     pub depth_correlation: Option<f32>,
 }
 
-/// What is found on one light field.
+/// What is found on one light field: little enough to be kept of a hundred.
 pub struct Judged {
     /// Its name.
     pub name: String,
+    /// By the name of the method; `lambertian` is [`Method::Ours`] before the occlusion net.
+    pub figures: BTreeMap<&'static str, Figures>,
+    /// Rays of ours by their disparity, as [`count`] counts them; none where it is not trained.
+    pub disparities: Option<[u64; BARS]>,
+}
+
+/// One light field with everything that was made of it: hundreds of megabytes, so it is kept of one.
+pub struct Shown {
     /// The true views.
     pub field: TrueField,
-    /// Ray depth of the reference view measured from all views, px per view step.
+    /// Ray depth of the reference view, px per view step: the file's own, else measured from all views.
     pub measured: Vec<f32>,
-    /// By the name of the method; `lambertian` is [`Method::Ours`] before the occlusion net.
+    /// By the names of [`Judged::figures`].
     pub made: BTreeMap<&'static str, Made>,
-    /// By the same names.
-    pub figures: BTreeMap<&'static str, Figures>,
 }
 
 /// Key of ours before the occlusion net.
 pub const LAMBERTIAN: &str = "lambertian";
 /// Key of the views that the measured depth gives.
 pub const MEASURED: &str = "measured-depth";
+/// Key of the four corners blended as they are, the nearer one more.
+pub const BLEND: &str = "corners-blended";
+/// Key of the four corners warped by the depth that a sweep over them finds.
+pub const SWEPT: &str = "corners-swept";
 /// Key of the photo copied to all views.
 pub const COPY: &str = "copy";
 
@@ -90,8 +102,8 @@ pub fn shrunk(field: TrueField, long_side: usize) -> TrueField {
 /// Judges the nets that there are by one light field.
 ///
 /// # Errors
-/// What the nets and the sweep say.
-pub fn judge(field: TrueField, nets: &BTreeMap<Method, Nets>, config: &Config) -> Result<Judged> {
+/// What the nets and the sweeps say.
+pub fn judge(field: TrueField, nets: &BTreeMap<Method, Nets>, config: &Config) -> Result<(Judged, Shown)> {
     let batch = batch_of(&field);
     let measured = field.reference_disparity()?.px;
     let mut made = BTreeMap::new();
@@ -102,8 +114,21 @@ pub fn judge(field: TrueField, nets: &BTreeMap<Method, Nets>, config: &Config) -
     }
     made.insert(MEASURED, by_one_map(&field, &measured));
     made.insert(COPY, Made { views: vec![field.reference().clone(); VIEWS], depths: None });
+    made.insert(BLEND, Made { views: pictures(&corners::blended(&batch)?, field.size), depths: None });
+    made.insert(SWEPT, by_corners(&field)?);
     let figures = made.iter().map(|(name, made)| (*name, figures(&field, made, &measured))).collect();
-    Ok(Judged { name: field.name.clone(), field, measured, made, figures })
+    let ours = made.get(Method::Ours.name()).and_then(|made| made.depths.as_ref());
+    let disparities = ours.map(|depths| count(depths));
+    Ok((Judged { name: field.name.clone(), figures, disparities }, Shown { field, measured, made }))
+}
+
+/// As `plenoscope synth --corners` makes them.
+fn by_corners(field: &TrueField) -> Result<Made> {
+    let whole = light_field(&field.views)?;
+    let given = CORNERS.map(|layer| whole.view(whole.grid().view_from_layer(layer)).clone());
+    let cancel = Cancel::default();
+    let (made, depths) = plenoscope::synth::corners::between(&given, &Job { cancel: &cancel, sink: &() })?;
+    Ok(Made { views: TrueField::of_views(&made), depths: Some(depths.disparity_px().to_vec()) })
 }
 
 /// What ours makes of a photo, for its time to be taken.
@@ -134,11 +159,9 @@ fn batch_of(field: &TrueField) -> Batch {
 /// The views of a method, and of ours those before the occlusion net, too.
 fn predicted(method: Method, nets: &Nets, batch: &Batch, config: &Config) -> Result<Vec<(&'static str, Made)>> {
     let size = [batch.maps.width, batch.maps.height];
-    let pictures =
-        |values: &[f32]| values.chunks_exact(3 * size[0] * size[1]).map(|view| picture(view, size)).collect();
     let (net, second) = match (method, nets.pair()) {
         (Method::Flow | Method::Regression, [Some(net), _]) => {
-            let views = pictures(&view_step::infer(net, batch, config)?);
+            let views = pictures(&view_step::infer(net, batch, config)?, size);
             return Ok(vec![(method.name(), Made { views, depths: None })]);
         }
         (_, [Some(net), Some(second)]) => (net, second),
@@ -146,10 +169,10 @@ fn predicted(method: Method, nets: &Nets, batch: &Batch, config: &Config) -> Res
     };
     if method == Method::Corners {
         let (views, depths) = corners::infer([net, second], batch, config)?;
-        return Ok(vec![(method.name(), Made { views: pictures(&views), depths: Some(depths) })]);
+        return Ok(vec![(method.name(), Made { views: pictures(&views, size), depths: Some(depths) })]);
     }
     let depths = step::infer_all_depths(net.best(), &net.arch.graph(), batch, config)?;
-    let [lambertian, full] = both(second, batch, &depths, config)?.map(|views| pictures(&views));
+    let [lambertian, full] = both(second, batch, &depths, config)?.map(|views| pictures(&views, size));
     let mut made = vec![(method.name(), Made { views: full, depths: Some(depths.clone()) })];
     if method == Method::Ours {
         made.push((LAMBERTIAN, Made { views: lambertian, depths: Some(depths) }));
@@ -162,10 +185,12 @@ fn both(net: &Checkpoint, batch: &Batch, depths: &[f32], config: &Config) -> Res
     Ok([lambertian, full])
 }
 
-fn picture(values: &[f32], size: [usize; 2]) -> Rgb {
+/// Views `[v, 3, y, x]` as pictures.
+fn pictures(values: &[f32], size: [usize; 2]) -> Vec<Rgb> {
     let p = size[0] * size[1];
-    let texel = |i: usize| [0, 1, 2].map(|c| values[c * p + i].clamp(0.0, 1.0));
-    Raster { size, px: (0..p).map(texel).collect() }
+    let texel = |view: &[f32], i: usize| [0, 1, 2].map(|c| view[c * p + i].clamp(0.0, 1.0));
+    let picture = |view: &[f32]| Raster { size, px: (0..p).map(|i| texel(view, i)).collect() };
+    values.chunks_exact(3 * p).map(picture).collect()
 }
 
 /// Lambertian views of one map that all views are lifted from.
@@ -196,12 +221,14 @@ fn figures(field: &TrueField, made: &Made, measured: &[f32]) -> Figures {
     }
 }
 
-/// Adds ray depths to a histogram of disparities across the whole aperture; what lies beyond is in its outermost bars.
-pub fn count(histogram: &mut [u64; BARS], depths: &[f32]) {
+/// Ray depths as a histogram of disparities across the whole aperture; what lies beyond is in its outermost bars.
+fn count(depths: &[f32]) -> [u64; BARS] {
+    let mut histogram = [0; BARS];
     for d in depths {
         let place = (d * ACROSS / HISTOGRAM_PX + 1.0) * 0.5 * BARS as f32;
         histogram[place.clamp(0.0, (BARS - 1) as f32) as usize] += 1;
     }
+    histogram
 }
 
 #[cfg(test)]
@@ -210,8 +237,7 @@ mod tests {
 
     #[test]
     fn a_histogram_has_every_ray_and_its_ends_the_rest() {
-        let mut histogram = [0; BARS];
-        count(&mut histogram, &[0.01, -0.01, 9.0, -9.0, -9.0]);
+        let histogram = count(&[0.01, -0.01, 9.0, -9.0, -9.0]);
         assert_eq!((histogram[0], histogram[BARS / 2 - 1], histogram[BARS / 2], histogram[BARS - 1]), (2, 1, 1, 1));
     }
 }

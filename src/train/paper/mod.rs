@@ -26,7 +26,7 @@ use crate::recorded;
 use crate::run::Nets;
 use crate::scenes::raster::Raster;
 use findings::Found;
-use judge::Judged;
+use judge::{Judged, Shown};
 pub use method::Method;
 use report::{Summary, Times};
 
@@ -104,21 +104,23 @@ pub fn run(asked: &Asked, stop: &AtomicBool, told: &(dyn Fn(&str) + Sync)) -> Re
     let split = fields::split(&asked.data, lists, asked.seed)?;
     told(&format!("light fields parted {}", split.how));
     let nets = nets(asked, &split.train, stop, told)?;
-    let mut judged = Vec::new();
+    let (mut judged, mut shown) = (Vec::new(), None);
     for path in split.test.iter().take(asked.most) {
         stopped(stop)?;
         match TrueField::open(path) {
             Ok(field) => {
                 told(&format!("judging by {}", field.name));
                 let field = judge::shrunk(field, asked.long_side);
-                judged.push(judge::judge(field, &nets, &Method::Ours.config(asked))?);
+                let (figures, made) = judge::judge(field, &nets, &Method::Ours.config(asked))?;
+                judged.push(figures);
+                shown.get_or_insert(made);
             }
             Err(error) => told(&format!("passed over: {error}")),
         }
     }
     ensure!(!judged.is_empty(), "none of the light fields to judge by can be read: {}", asked.data.display());
     told("writing the report");
-    written(asked, &split.how, &nets, &judged)
+    written(asked, &split.how, &nets, &judged, shown.as_ref())
 }
 
 fn stopped(stop: &AtomicBool) -> Result<()> {
@@ -149,7 +151,13 @@ fn nets(
     Ok(nets)
 }
 
-fn written(asked: &Asked, split: &str, nets: &BTreeMap<Method, Nets>, judged: &[Judged]) -> Result<PathBuf> {
+fn written(
+    asked: &Asked,
+    split: &str,
+    nets: &BTreeMap<Method, Nets>,
+    judged: &[Judged],
+    shown: Option<&Shown>,
+) -> Result<PathBuf> {
     let found = Found::of(judged);
     let steps = |(method, nets): (&Method, &Nets)| {
         let stage = method.config(asked).stage;
@@ -166,7 +174,7 @@ fn written(asked: &Asked, split: &str, nets: &BTreeMap<Method, Nets>, judged: &[
         found: &found,
         each: judged.iter().map(|one| &one.figures).collect(),
     };
-    let panels = judged.first().map(panels::all).unwrap_or_default();
+    let panels = shown.map(panels::all).unwrap_or_default();
     let synthesis_secs = nets.get(&Method::Ours).map(|ours| timed(ours, &Method::Ours.config(asked))).transpose()?;
     report::write(&asked.out, &summary, &panels, &Times { synthesis_secs, threads: asked.threads })
 }

@@ -3,7 +3,7 @@
 use plenoscope::field::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 use plenoscope::render::cpu;
 
-use super::judge::{Judged, LAMBERTIAN, Made};
+use super::judge::{LAMBERTIAN, Made, Shown};
 use super::method::Method;
 use crate::eval::Rgb;
 use crate::eval::metrics::median;
@@ -31,39 +31,39 @@ pub struct Panel {
 }
 
 /// All panels that the methods which are there allow.
-pub fn all(judged: &Judged) -> Vec<Panel> {
-    [depths(judged), epipolar(judged), ablation(judged), corner(judged), photographic(judged)]
+pub fn all(shown: &Shown) -> Vec<Panel> {
+    [depths(shown), epipolar(shown), ablation(shown), corner(shown), photographic(shown)]
         .into_iter()
         .flatten()
         .collect()
 }
 
 /// Photo, depth measured from the whole light field, ray depth from the photo alone.
-fn depths(judged: &Judged) -> Option<Panel> {
-    let own = reference_depth(judged.made.get(Method::Ours.name())?, judged)?;
-    let size = judged.field.size;
+fn depths(shown: &Shown) -> Option<Panel> {
+    let own = reference_depth(shown.made.get(Method::Ours.name())?, shown)?;
+    let size = shown.field.size;
     let tile = |map: &[f32]| depth_tile(map, size, usual_range(map));
-    let row = vec![judged.field.reference().clone(), tile(&judged.measured), tile(own)];
+    let row = vec![shown.field.reference().clone(), tile(&shown.measured), tile(own)];
     Some(Panel {
         name: "depths",
-        says: "photo; depth measured from all 64 views; ours from the photo alone (each over its own range)".into(),
+        says: "photo; depth measured from all 64 views, or the file's own; ours from the photo alone (each over its own range)".into(),
         picture: join(&[row], TILE_PX),
     })
 }
 
-fn reference_depth<'a>(made: &'a Made, judged: &Judged) -> Option<&'a [f32]> {
-    let count = judged.measured.len();
+fn reference_depth<'a>(made: &'a Made, shown: &Shown) -> Option<&'a [f32]> {
+    let count = shown.measured.len();
     made.depths.as_ref().map(|depths| &depths[REFERENCE * count..][..count])
 }
 
 /// Epipolar images of a stretch across the strongest edge of depth, magnified: the true one above those of the methods.
-fn epipolar(judged: &Judged) -> Option<Panel> {
-    let (left, y) = strongest_edge(&judged.measured, judged.field.size);
-    let mut rows = vec![vec![stretch(&epi_tile(|layer| &judged.field.views[layer], y, LINE_PX), left)]];
+fn epipolar(shown: &Shown) -> Option<Panel> {
+    let (left, y) = strongest_edge(&shown.measured, shown.field.size);
+    let mut rows = vec![vec![stretch(&epi_tile(|layer| &shown.field.views[layer], y, LINE_PX), left)]];
     let mut names = vec!["recorded".to_owned()];
     let methods = [Method::Ours, Method::Flow, Method::Regression, Method::Corners].map(Method::name);
     for name in [&methods[..1], &[LAMBERTIAN], &methods[1..]].concat() {
-        if let Some(made) = judged.made.get(name) {
+        if let Some(made) = shown.made.get(name) {
             rows.push(vec![stretch(&epi_tile(|layer| &made.views[layer], y, LINE_PX), left)]);
             names.push(name.to_owned());
         }
@@ -76,12 +76,12 @@ fn epipolar(judged: &Judged) -> Option<Panel> {
 }
 
 /// Epipolar slices of the ray depths themselves: straight lines where they agree.
-fn ablation(judged: &Judged) -> Option<Panel> {
-    let (_, y) = strongest_edge(&judged.measured, judged.field.size);
+fn ablation(shown: &Shown) -> Option<Panel> {
+    let (_, y) = strongest_edge(&shown.measured, shown.field.size);
     let (mut rows, mut names, mut range) = (Vec::new(), Vec::new(), None);
     for method in Method::ALL {
-        let Some(depths) = judged.made.get(method.name()).and_then(|made| made.depths.as_ref()) else { continue };
-        let [w, h] = judged.field.size;
+        let Some(depths) = shown.made.get(method.name()).and_then(|made| made.depths.as_ref()) else { continue };
+        let [w, h] = shown.field.size;
         let first = REFERENCE / SIDE * SIDE;
         let slice: Vec<f32> = (0..SIDE * LINE_PX)
             .flat_map(|line| &depths[(first + line / LINE_PX) * w * h + y * w..][..w])
@@ -100,11 +100,11 @@ fn ablation(judged: &Judged) -> Option<Panel> {
 }
 
 /// A corner view, true and made.
-fn corner(judged: &Judged) -> Option<Panel> {
-    let mut row = vec![judged.field.views[0].clone()];
+fn corner(shown: &Shown) -> Option<Panel> {
+    let mut row = vec![shown.field.views[0].clone()];
     let mut names = vec!["recorded".to_owned()];
     for name in [Method::Ours.name(), LAMBERTIAN, Method::Flow.name(), Method::Regression.name()] {
-        if let Some(made) = judged.made.get(name) {
+        if let Some(made) = shown.made.get(name) {
             row.push(made.views[0].clone());
             names.push(name.to_owned());
         }
@@ -117,10 +117,10 @@ fn corner(judged: &Judged) -> Option<Panel> {
 }
 
 /// Synthetic apertures f/28 … f/3.5 of ours, focused on what is near; then on what is far.
-fn photographic(judged: &Judged) -> Option<Panel> {
-    let made = judged.made.get(Method::Ours.name())?;
+fn photographic(shown: &Shown) -> Option<Panel> {
+    let made = shown.made.get(Method::Ours.name())?;
     let field = light_field(&made.views).ok()?;
-    let own = reference_depth(made, judged)?;
+    let own = reference_depth(made, shown)?;
     let [far, near] = usual_range(own);
     let middle = median(own.to_vec())?;
     let shot = |f_number: f32, disparity_px: f32| {
@@ -128,7 +128,7 @@ fn photographic(judged: &Judged) -> Option<Panel> {
         let lens = Lens { f_number: FNumber(f_number), shape: LensShape::Square, focus, ..Lens::default() };
         let picture = cpu::refocus(&field, &lens, ViewPoint::default());
         let texel = |p: &[u8]| [0, 1, 2].map(|c| f32::from(p[c]) / 255.0);
-        Raster { size: judged.field.size, px: picture.to_srgb8().chunks_exact(4).map(texel).collect() }
+        Raster { size: shown.field.size, px: picture.to_srgb8().chunks_exact(4).map(texel).collect() }
     };
     let rows = [[28.0, 7.0, 3.5].map(|n| shot(n, near)).to_vec(), [near, middle, far].map(|d| shot(3.5, d)).to_vec()];
     Some(Panel {

@@ -1,5 +1,6 @@
 //! `report.html`: one file with all figures and panels in it; beside it the same as SVG, PNG and JSON.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -9,11 +10,14 @@ use serde::Serialize;
 
 use super::charts::{Axes, Series, bars, lines};
 use super::findings::{Finding, Found, L1_BAR, L1_BARS, disparity_places};
-use super::judge::{Figures, LAMBERTIAN};
+use super::judge::{BLEND, COPY, Figures, LAMBERTIAN, MEASURED, SWEPT};
 use super::method::Method;
 use super::panels::Panel;
 use crate::eval::sheet::write_png;
 use crate::files;
+
+/// Light fields of which a table is shown without being asked for.
+const OPEN: usize = 12;
 
 /// Everything that the same seed gives again, to the byte.
 #[derive(Serialize)]
@@ -25,7 +29,7 @@ pub struct Summary<'a> {
     /// Seed of nets, data and split.
     pub seed: u64,
     /// Steps that each method was trained.
-    pub steps: std::collections::BTreeMap<&'static str, u64>,
+    pub steps: BTreeMap<&'static str, u64>,
     /// Samples of a step, and the side of a crop in px.
     pub batch: usize,
     /// See `batch`.
@@ -36,7 +40,7 @@ pub struct Summary<'a> {
     #[serde(flatten)]
     pub found: &'a Found,
     /// Of each light field, by method.
-    pub each: Vec<&'a std::collections::BTreeMap<&'static str, Figures>>,
+    pub each: Vec<&'a BTreeMap<&'static str, Figures>>,
 }
 
 /// What differs from one machine to another, and so is no part of [`Summary`].
@@ -83,8 +87,14 @@ fn title(name: &str) -> &str {
     let of = |method: &Method| method.name() == name;
     match Method::ALL.iter().find(|method| of(method)) {
         Some(method) => method.title(),
-        None if name == LAMBERTIAN => "ours, Lambertian",
-        None => name,
+        None => match name {
+            LAMBERTIAN => "ours, Lambertian",
+            MEASURED => "the photo warped by the depth of all views",
+            COPY => "the photo copied",
+            BLEND => "the four corners blended",
+            SWEPT => "the four corners warped by their swept depth",
+            _ => name,
+        },
     }
 }
 
@@ -118,6 +128,7 @@ const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;mar
 table{border-collapse:collapse}td,th{padding:.2rem .8rem;border-bottom:1px solid #ccc;text-align:right}\
 td:first-child,th:first-child{text-align:left}figure{margin:1.5rem 0;break-inside:avoid}\
 img,svg{max-width:100%;height:auto}img{image-rendering:pixelated}.holds{color:#067}.not{color:#b30}\
+.each{font-size:.7rem}.each th{font-weight:400}.each td,.each th{padding:.1rem .3rem}\
 @media print{body{margin:0;max-width:none}h2{break-after:avoid}}";
 
 fn html(summary: &Summary<'_>, charts: &[(&str, String)], pictures: &[(&Panel, Vec<u8>)], times: &Times) -> String {
@@ -143,6 +154,7 @@ fn html(summary: &Summary<'_>, charts: &[(&str, String)], pictures: &[(&Panel, V
     ));
     put("<h2>Mean L1</h2>".into());
     put(table(summary.found));
+    put(each(summary));
     put("<h2>What the paper found, and what is found here</h2>".into());
     for finding in &summary.found.findings {
         put(statement(finding));
@@ -187,6 +199,22 @@ fn table(found: &Found) -> String {
     let rows: String = rows.iter().map(row).collect();
     format!(
         "<table><tr><th>method</th><th>all views</th><th>outermost</th><th>without corners</th><th>ψ_c, px</th></tr>{rows}</table>"
+    )
+}
+
+/// Mean L1 of each light field by each method.
+fn each(summary: &Summary<'_>) -> String {
+    let names: Vec<&str> = summary.found.mean.keys().copied().collect();
+    let cell = |figures: &Figures| format!("<td>{:.4}</td>", figures.l1);
+    let row = |(field, figures): (&&str, &&BTreeMap<&'static str, Figures>)| {
+        let cells: String = names.iter().map(|name| figures.get(name).map_or_else(|| "<td>–</td>".into(), cell)).collect();
+        format!("<tr><td>{}</td>{cells}</tr>", escaped(field))
+    };
+    let rows: String = summary.light_fields.iter().zip(&summary.each).map(row).collect();
+    let heads: String = names.iter().map(|name| format!("<th>{}</th>", title(name))).collect();
+    format!(
+        "<details{}><summary>Each light field, all views</summary><table class=\"each\"><tr><th></th>{heads}</tr>{rows}</table></details>",
+        if summary.light_fields.len() > OPEN { "" } else { " open" }
     )
 }
 

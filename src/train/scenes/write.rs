@@ -6,24 +6,26 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::{Arg, ArgMatches, Command, arg, value_parser};
 use plenoscope::field::{RayDepths, ViewGrid};
-use plenoscope::io::formats::{self, views};
+use plenoscope::io::formats::{self, eslf, views};
 use plenoscope::job::{Cancel, Job};
 use plenoscope::shard::Shard;
 
 use super::raster::Rgb;
 use super::{Config, Mix, REFERENCE, Sample, Source};
+use crate::eval::constructed;
 use crate::eval::metrics::{mean, spearman};
 use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range, write_png};
 use crate::field::light_field;
+use crate::recorded::ENDINGS;
 
-/// Rows of the sheet where samples are not written.
+/// Rows of the sheet.
 const SHEET_ROWS: usize = 40;
 
 /// What the command line understands.
 pub fn command() -> Command {
     let number = || value_parser!(usize);
     Command::new("data")
-        .about("Write samples of the data engine as folders of views, and a contact sheet; or say what a folder of light fields holds")
+        .about("Write samples of the data engine as light fields, and a contact sheet; or say what a folder of light fields holds")
         .arg(
             arg!(--out <DIR> "Folder for them")
                 .required_unless_present("stats")
@@ -67,6 +69,8 @@ pub fn command() -> Command {
         )
         .arg(part("shading", "Part of the samples on which falls light that says nothing about depth"))
         .arg(part("pitfalls", "Part of the scenes that show bare tops under uneven light, bright upper walls, portraits"))
+        .arg(arg!(--"held-out" "Photos that training never sees, as they are: what methods are judged by"))
+        .arg(arg!(--eslf "Write Lytro's ESLF pictures in place of folders").requires("out"))
         .arg(
             arg!(--shard <"K/N"> "Write every N-th sample, from the K-th; N workers write what one would")
                 .default_value("1/1")
@@ -99,22 +103,34 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         pitfalls: share("pitfalls"),
         ..Config::default()
     };
-    let source = Source::new(&config)?;
+    let held_out = matches.get_flag("held-out");
+    let (source, photos) = if held_out {
+        let (source, photos) = constructed::held_out(&config.data, long_side)?;
+        (source, Some(photos))
+    } else {
+        (Source::new(&config)?, None)
+    };
+    let most = photos.as_ref().map_or(usize::MAX, Vec::len).min(number("count"));
     let notes: String = source.notes().map(|note| format!("{note}\n")).collect();
     let out = path("out");
     std::fs::create_dir_all(&out)?;
     let shard = matches.get_one::<Shard>("shard").copied().unwrap_or_default();
     let (mut rows, mut told, mut secs, mut count) = (Vec::new(), Vec::new(), 0.0, 0);
-    for index in (0..number("count") as u64).filter(|index| shard.takes_number(*index)) {
+    for index in (0..most as u64).filter(|index| shard.takes_number(*index)) {
         count += 1;
         let started = Instant::now();
-        let sample = source.sample(index);
+        let sample = match &photos {
+            Some(photos) => source.constructed(photos[index as usize], constructed::all_views()),
+            None => source.sample(index),
+        };
         secs += started.elapsed().as_secs_f64();
         told.extend(told_by_row(&sample));
-        let folder = out.join(format!("sample_{index:04}_{:?}", sample.kind).to_lowercase());
+        let name = format!("{}_{index:04}_{:?}", if held_out { "held_out" } else { "sample" }, sample.kind);
         if let Some((pictures, depths)) = sample.pictures().zip(sample.depths()) {
-            write(&folder, &pictures, &depths)?;
-            rows.push(tiles(&pictures, &depths));
+            write(&out.join(name.to_lowercase()), &pictures, &depths, matches.get_flag("eslf"))?;
+            if rows.len() < SHEET_ROWS {
+                rows.push(tiles(&pictures, &depths));
+            }
         } else if rows.len() < SHEET_ROWS {
             rows.push(reference_tiles(&sample));
         }
@@ -161,18 +177,19 @@ fn tiles(pictures: &[Rgb], depths: &[&[f32]]) -> Vec<Rgb> {
     ]
 }
 
-/// Writes the 64 views of a sample, with their ray depths where all of them are known.
-fn write(folder: &Path, pictures: &[Rgb], depths: &[&[f32]]) -> Result<()> {
+/// Writes the 64 views of a sample: a folder, with their ray depths where all of them are known, or one ESLF picture without.
+fn write(folder: &Path, pictures: &[Rgb], depths: &[&[f32]], as_eslf: bool) -> Result<()> {
     let field = light_field(pictures)?;
     let all_known = depths.iter().all(|map| map.iter().all(|d| !d.is_nan()));
     let depths = all_known.then(|| RayDepths::new(ViewGrid::PAPER, field.size(), depths.concat())).transpose()?;
     let cancel = Cancel::default();
     let job = Job { cancel: &cancel, sink: &() };
-    Ok(views::write(
-        folder,
-        &formats::FieldToWrite { depths: depths.as_ref(), ..formats::FieldToWrite::new(&field) },
-        &job,
-    )?)
+    let source = formats::FieldToWrite { depths: depths.as_ref(), ..formats::FieldToWrite::new(&field) };
+    if as_eslf {
+        let name = format!("{}{}", folder.file_name().unwrap_or_default().to_string_lossy(), ENDINGS[0]);
+        return Ok(eslf::write(&folder.with_file_name(name), &source, &job)?);
+    }
+    Ok(views::write(folder, &source, &job)?)
 }
 
 #[cfg(test)]
@@ -187,11 +204,14 @@ mod tests {
         let pictures = vec![Raster { size: [12, 8], px: vec![[0.5; 3]; 96] }; 64];
         let maps: Vec<Vec<f32>> = (0..64).map(|layer| vec![layer as f32 / 64.0; 96]).collect();
         let mut depths: Vec<&[f32]> = maps.iter().map(|map| &map[..]).collect();
-        write(&folder.path().join("known"), &pictures, &depths).unwrap();
+        write(&folder.path().join("known"), &pictures, &depths, false).unwrap();
         let read = TrueField::open(&folder.path().join("known")).unwrap();
         assert_eq!(read.depths, maps.iter().cloned().enumerate().collect::<Vec<_>>());
         depths[3] = &[f32::NAN; 96];
-        write(&folder.path().join("in part"), &pictures, &depths).unwrap();
+        write(&folder.path().join("in part"), &pictures, &depths, false).unwrap();
         assert!(TrueField::open(&folder.path().join("in part")).unwrap().depths.is_empty());
+        write(&folder.path().join("one"), &pictures, &depths, true).unwrap();
+        let read = TrueField::open(&folder.path().join("one_eslf.png")).unwrap();
+        assert!(read.views.iter().zip(&pictures).all(|(a, b)| (a.px[0][0] - b.px[0][0]).abs() < 0.003));
     }
 }
