@@ -59,8 +59,7 @@ pub fn evaluate(
     let mut tiles = Vec::new();
     let all = flowers.len();
     for picture in flowers {
-        let scene =
-            Scene::new(&source.constructed(picture, all_views())).context("a scene of fewer than 64 views")?;
+        let scene = Scene::new(&source.constructed(picture, all_views())).context("a scene of fewer than 64 views")?;
         let (found, row) = scene.compare(predictor)?;
         scenes.push(found);
         if tiles.len() < 12 {

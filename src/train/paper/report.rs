@@ -207,7 +207,8 @@ fn each(summary: &Summary<'_>) -> String {
     let names: Vec<&str> = summary.found.mean.keys().copied().collect();
     let cell = |figures: &Figures| format!("<td>{:.4}</td>", figures.l1);
     let row = |(field, figures): (&&str, &&BTreeMap<&'static str, Figures>)| {
-        let cells: String = names.iter().map(|name| figures.get(name).map_or_else(|| "<td>–</td>".into(), cell)).collect();
+        let cells: String =
+            names.iter().map(|name| figures.get(name).map_or_else(|| "<td>–</td>".into(), cell)).collect();
         format!("<tr><td>{}</td>{cells}</tr>", escaped(field))
     };
     let rows: String = summary.light_fields.iter().zip(&summary.each).map(row).collect();
