@@ -1,6 +1,6 @@
 //! The order in which poses are found: matches, rotations, a first structure, and all of it adjusted together.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::BurstError;
@@ -32,6 +32,8 @@ const STILL_PX: f64 = 0.35;
 const CLEAR: f64 = 6.0;
 /// Movement of the whole picture below which the camera stood still, in the same pixels.
 const HELD_PX: f64 = 2.0;
+/// Share of the cost that is left where a rolling shutter is believed.
+const ROLLS: f64 = 0.8;
 /// How far off a focal length usually is: from EXIF, and where nothing says it.
 const FOCAL_OFF: [f64; 2] = [0.02, 0.15];
 
@@ -175,7 +177,7 @@ fn settled(bundle: Bundle, mut tracks: Tracks, is_like: &[bool], knows_focal: bo
     let freedom = Freedom { focal: is_many.then_some(FOCAL_OFF[usize::from(!knows_focal)]), rolling: is_many };
     let mut bundle = bundle;
     for (usual, wrong) in [USUAL_PX[1], USUAL_PX[2]].into_iter().zip(WRONG_PX) {
-        bundle = bundle.adjusted(&tracks, usual, freedom);
+        bundle = plainest(bundle, &tracks, usual, freedom);
         for frame in 0..is_like.len() {
             for point in 0..tracks.points.len() {
                 let residual = bundle.residual(&tracks, frame, point);
@@ -185,8 +187,20 @@ fn settled(bundle: Bundle, mut tracks: Tracks, is_like: &[bool], knows_focal: bo
             }
         }
     }
-    let bundle = bundle.adjusted(&tracks, USUAL_PX[2], freedom);
+    let bundle = plainest(bundle, &tracks, USUAL_PX[2], freedom);
     posed(bundle, tracks, &tracked)
+}
+
+/// The bundle adjusted without a rolling shutter, and with one only where that explains much more: a floor that comes nearer
+/// from row to row looks like one, as far as small motion tells.
+fn plainest(bundle: Bundle, tracks: &Tracks, usual_px: f64, freedom: Freedom) -> Bundle {
+    let still = bundle.poses.iter().map(|pose| Pose { turning: DVec3::ZERO, ..*pose }).collect();
+    let whole = Bundle { poses: still, ..bundle }.adjusted(tracks, usual_px, Freedom { rolling: false, ..freedom });
+    if !freedom.rolling {
+        return whole;
+    }
+    let rolled = whole.clone().adjusted(tracks, usual_px, freedom);
+    if rolled.cost(tracks, usual_px) < ROLLS * whole.cost(tracks, usual_px) { rolled } else { whole }
 }
 
 fn posed(bundle: Bundle, tracks: Tracks, tracked: &[usize]) -> Result<Posed, BurstError> {
