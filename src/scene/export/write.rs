@@ -144,7 +144,7 @@ fn of_eyes(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: 
     let [left, right] = edit.for_eyes(settings.eyes_apart).map(|edit| scene.shown(&edit, settings.size(), job));
     let [left, right] = [&left?, &right?];
     job.advance(Stage::Save, 0, 1)?;
-    Ok(match settings.kind {
+    match settings.kind {
         Kind::Anaglyph => stereo::write_anaglyph(target, left, right)?,
         Kind::Mpo => mpo::write(target, left, right)?,
         Kind::SideBySide => stereo::write_side_by_side(target, left, right)?,
@@ -153,7 +153,8 @@ fn of_eyes(scene: &Scene, edit: &Edit, settings: &Settings, target: &Path, job: 
             let eyes = stereo_heic::Eyes { focal, apart_m: settings.eyes_apart * step_m };
             stereo_heic::write(target, [left, right], eyes, job)?;
         }
-    })
+    }
+    Ok(())
 }
 
 /// What is made of all views: light fields, quilts, point clouds.
