@@ -52,6 +52,14 @@ crate_budget() {
     [ "$crates" -le 430 ] || { echo "the program has $crates crates, more than its budget: see docs/building.md"; return 1; }
 }
 
+# The lists of deny.toml, by our own means.
+dependencies() {
+    local host
+    host=$(rustc -vV | sed -n 's/^host: //p')
+    set -o pipefail
+    cargo metadata --quiet --locked --format-version 1 --filter-platform "$host" | python3 scripts/dependencies.py
+}
+
 no_machine_paths() {
     # /home/me stands for anybody's.
     ! git grep -nIE '(^|[^[:alnum:]_.])/(home|Users|root)/[[:alnum:]]' -- . ':!*.lock' ':!scripts/check.sh' | grep -v '/home/me/'
@@ -80,7 +88,8 @@ if [ "${1:-}" != "--fast" ]; then
     check "documentation" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --workspace --no-deps --document-private-items
     command -v typos >/dev/null && check "typos" typos
     if ! cargo deny --version >/dev/null 2>&1; then
-        echo "skip  licences, sources and advisories of dependencies: cargo-deny is not installed"
+        check "licences, bans and sources of this system's dependencies" dependencies
+        echo "skip  advisories on dependencies: cargo-deny, or its database, is not here"
     else
         check "licences and sources of dependencies" cargo deny --log-level error check licenses bans sources
         if cargo deny --log-level error fetch db >/dev/null 2>&1; then

@@ -9,7 +9,8 @@ use plenoscope::job::{Cancel, Job};
 
 use crate::harness::{run, run_within};
 use crate::seeds::As;
-use crate::{field, open, open_path, seeds};
+use crate::seeds::field;
+use crate::{open, open_path, seeds};
 
 fn refused(what: &str, bytes: &[u8]) -> String {
     run(what, || open(bytes)).err().unwrap_or_else(|| panic!("{what} is opened"))

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,8 @@ pub const MAX_BYTES: usize = 1 << 30;
 /// Files that are tried of each parser where neither `PLENOSCOPE_FUZZ_FILES` nor `PLENOSCOPE_FUZZ_SECS` asks for more.
 const FEW: u64 = 120;
 
+/// The most bytes that a parser took since somebody last asked.
+static MOST_BYTES: AtomicUsize = AtomicUsize::new(0);
 /// One at a time, so that the memory that is counted is that of one parser.
 static ALONE: Mutex<()> = Mutex::new(());
 
@@ -29,6 +32,7 @@ pub fn run_within<T, E: Display>(
 ) -> Result<T, String> {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let (answer, bytes) = peak_bytes(|| catch_unwind(AssertUnwindSafe(parse)));
+    MOST_BYTES.fetch_max(bytes, Ordering::Relaxed);
     assert!(bytes <= max_bytes, "{what}: took {} MiB", bytes >> 20);
     let answer = answer.unwrap_or_else(|_| panic!("{what}: the parser panicked"));
     answer.map_err(|error| {
@@ -117,15 +121,11 @@ pub fn fuzz<T, E: Display>(parser: &str, seeds: &[Vec<u8>], parse: impl Fn(&[u8]
     for whole in seeds {
         assert!(run(parser, || parse(whole)).is_ok(), "{parser}: an undamaged file is refused");
     }
-    if let Some(corpus) = std::env::var_os("PLENOSCOPE_FUZZ_CORPUS") {
-        let folder = PathBuf::from(corpus).join(parser);
-        std::fs::create_dir_all(&folder).unwrap();
-        seeds.iter().enumerate().for_each(|(n, whole)| std::fs::write(folder.join(n.to_string()), whole).unwrap());
-    }
     let asked = |name| std::env::var(name).ok().and_then(|number| number.parse::<u64>().ok());
     let files = asked("PLENOSCOPE_FUZZ_FILES").unwrap_or(FEW);
     let end = asked("PLENOSCOPE_FUZZ_SECS").map(|secs| Instant::now() + Duration::from_secs(secs));
     let mut slowest = (Duration::ZERO, 0);
+    MOST_BYTES.store(0, Ordering::Relaxed);
     let mut seed = 0;
     while end.map_or(seed < files, |end| Instant::now() < end) {
         let bytes = Random::new(seed).damage(&seeds[seed as usize % seeds.len()]);
@@ -139,5 +139,10 @@ pub fn fuzz<T, E: Display>(parser: &str, seeds: &[Vec<u8>], parse: impl Fn(&[u8]
         }
         seed += 1;
     }
-    eprintln!("{parser}: {seed} damaged files, the slowest ({}) took {:.2} s", slowest.1, slowest.0.as_secs_f32());
+    let most_mib = MOST_BYTES.load(Ordering::Relaxed).div_ceil(1 << 20);
+    let secs = slowest.0.as_secs_f32();
+    eprintln!(
+        "{parser}: {seed} damaged files, the slowest ({}) took {secs:.2} s, the largest {most_mib} MiB",
+        slowest.1
+    );
 }
