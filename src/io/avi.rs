@@ -18,7 +18,7 @@ const DEEPEST: usize = 8;
 
 /// How such a file is told; as a photo it is its first picture.
 pub(crate) const TYPE: FileType =
-    FileType { name: NAME, suffixes: &["avi"], begins, photo: Some(first), ..FileType::UNKNOWN };
+    FileType { name: NAME, suffixes: &["avi"], begins, photo: Some(|bytes, _job| first(bytes)), ..FileType::UNKNOWN };
 
 fn begins(bytes: &[u8]) -> bool {
     bytes.starts_with(b"RIFF") && bytes.get(HEAD..HEAD + LETTERS) == Some(b"AVI ")

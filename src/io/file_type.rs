@@ -3,9 +3,12 @@
 use super::formats::{self, depth_map::DepthMap};
 use super::raster::{self, Raster};
 use super::{PhotoFile, Problem};
+use crate::job::Job;
 
 /// Makes something of a whole file.
 type Parse<T> = fn(&[u8]) -> Result<T, Problem>;
+/// The same where it can take so long that somebody may want to stop it.
+type ParseLong<T> = fn(&[u8], &Job) -> Result<T, Problem>;
 
 /// A format of files. What is not said of it in its own module is as in [`FileType::UNKNOWN`].
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +20,7 @@ pub(crate) struct FileType {
     /// Whether a file begins as this format does.
     pub(crate) begins: fn(&[u8]) -> bool,
     /// The photo with all that its file says; where this is missing, the pixels are the photo.
-    pub(crate) photo: Option<Parse<PhotoFile>>,
+    pub(crate) photo: Option<ParseLong<PhotoFile>>,
     /// The pixels alone: of views, of depth maps, of pictures in pictures.
     pub(crate) pixels: Option<Pixels>,
     /// A map of numbers.
@@ -48,9 +51,9 @@ impl FileType {
     }
 
     /// Opens a file of this format as a photo.
-    pub(crate) fn open(&self, bytes: &[u8]) -> Result<PhotoFile, Problem> {
+    pub(crate) fn open(&self, bytes: &[u8], job: &Job) -> Result<PhotoFile, Problem> {
         match (self.photo, self.pixels) {
-            (Some(open), _) => open(bytes),
+            (Some(open), _) => open(bytes, job),
             (None, Some(_)) => Ok(PhotoFile::from_raster(raster::decode(bytes)?, self.name)?.with_xmp()),
             (None, None) => Err(Problem::Unsupported {
                 format: self.name,

@@ -90,7 +90,7 @@ pub(super) fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Resu
     let kind = FileType::of(bytes)?;
     match formats::read_within(bytes, name, job)? {
         Some(file) => Ok(file.into()),
-        None => Ok(kind.open(bytes)?.with_source(name).into()),
+        None => Ok(kind.open(bytes, job)?.with_source(name).into()),
     }
 }
 

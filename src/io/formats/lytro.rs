@@ -18,7 +18,7 @@ pub(crate) const TYPE: FileType = FileType {
     name: FORMAT,
     suffixes: &["lfp"],
     begins: |bytes| bytes.starts_with(&MAGIC[..4]),
-    photo: Some(open),
+    photo: Some(|bytes, _job| open(bytes)),
     ..FileType::UNKNOWN
 };
 /// The first bytes of a container.

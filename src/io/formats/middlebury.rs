@@ -25,7 +25,7 @@ pub(super) fn read(folder: &Path, job: &Job) -> Result<Option<Opened>, Problem> 
     if !photo.is_file() || !map.is_file() {
         return Ok(None);
     }
-    let open = |bytes: Vec<u8>| FileType::of(&bytes)?.open(&bytes);
+    let open = |bytes: Vec<u8>| FileType::of(&bytes)?.open(&bytes, job);
     let mut file = read_file(&photo).and_then(open).map_err(Problem::of(&photo))?.with_source(Some(&photo));
     file.info.format = "Middlebury stereo scene";
     job.check()?;

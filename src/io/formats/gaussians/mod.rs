@@ -17,7 +17,7 @@ use std::sync::Arc;
 use crate::io::file_type::FileType;
 use crate::io::raster::{Raster, Samples};
 use crate::io::{FileKind, PhotoFile, Problem};
-use crate::job::{Cancel, Job};
+use crate::job::Job;
 use crate::splats::{NamedCamera, Pictured, Rig, Stage};
 
 pub use write::write;
@@ -39,24 +39,23 @@ fn begins(bytes: &[u8]) -> bool {
     bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r")
 }
 
-fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
-    pictured(read::read(bytes)?, FORMAT)
+fn open(bytes: &[u8], job: &Job) -> Result<PhotoFile, Problem> {
+    pictured(read::read(bytes)?, FORMAT, job)
 }
 
-fn open_packed(bytes: &[u8]) -> Result<PhotoFile, Problem> {
-    pictured(spz::read(bytes)?, spz::FORMAT)
+fn open_packed(bytes: &[u8], job: &Job) -> Result<PhotoFile, Problem> {
+    pictured(spz::read(bytes)?, spz::FORMAT, job)
 }
 
-/// The picture of what was read, which knows its scene.
-fn pictured(read: read::Read, format: &'static str) -> Result<PhotoFile, Problem> {
-    let job = Job { cancel: &Cancel::default(), sink: &() };
+/// The picture of what was read, which knows its scene. One can take seconds to draw, so it looks whether it is still wanted.
+fn pictured(read: read::Read, format: &'static str, job: &Job) -> Result<PhotoFile, Problem> {
     let count = read.cloud.gaussians.len();
-    let mut stage = Stage::new(read.cloud, read.camera, &job)?;
+    let mut stage = Stage::new(read.cloud, read.camera, job)?;
     stage.in_metres = read.in_metres;
     if let Some([step, zero]) = read.steps {
         stage.rig = Rig { step, zero, ..stage.rig };
     }
-    let (rgba, map) = stage.photo(&job)?;
+    let (rgba, map) = stage.photo(job)?;
     let mut file = PhotoFile::from_raster(picture(stage.size(), rgba), format)?;
     let found = match stage.named {
         NamedCamera::File => "from the file",

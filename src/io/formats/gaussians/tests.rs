@@ -6,6 +6,7 @@ use super::*;
 use crate::field::{LightField, RayDepths, View, ViewGrid};
 use crate::io::formats::FieldToWrite;
 use crate::io::{Opened, open_bytes};
+use crate::job::Cancel;
 use crate::splats::harmonics;
 
 const OWN: [&str; 14] = [
@@ -60,6 +61,14 @@ fn open(bytes: &[u8]) -> PhotoFile {
         Opened::Photo(file) => *file,
         Opened::LightField(_) => panic!("a picture with its scene"),
     }
+}
+
+#[test]
+fn drawing_a_scene_can_be_stopped() {
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let stopped = super::open(&binary(&wall()), &Job { cancel: &cancel, sink: &() });
+    assert!(matches!(stopped, Err(Problem::Stopped(_))));
 }
 
 fn pixel(file: &PhotoFile, x: f32, y: f32) -> [u8; 3] {

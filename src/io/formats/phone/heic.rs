@@ -22,7 +22,7 @@ pub(crate) const TYPE: FileType = FileType {
     name: FORMAT,
     suffixes: &["heic", "heif", "hif"],
     begins: is_heic,
-    photo: Some(open),
+    photo: Some(|bytes, _job| open(bytes)),
     ..FileType::UNKNOWN
 };
 const DEPTH_URN: [&str; 2] = ["urn:mpeg:hevc:2015:auxid:2", "urn:mpeg:mpegB:cicp:systems:auxiliary:depth"];

@@ -13,7 +13,7 @@ pub(crate) const TYPE: FileType = FileType {
     name: "JPEG",
     suffixes: &["jpg", "jpeg", "mpo"],
     begins: |bytes| bytes.starts_with(&[0xff, 0xd8, 0xff]),
-    photo: Some(open),
+    photo: Some(|bytes, _job| open(bytes)),
     pixels: Some(Pixels {
         decode: |bytes, _| raster::jpeg::decode(bytes),
         header_size: |bytes, _| raster::jpeg::header_size(bytes),
