@@ -213,7 +213,7 @@ fn nets_and_manifests() -> Vec<Reader> {
         // What the engine says of a strange model can be long.
         reader("onnx", whole("model.onnx"), |bytes| {
             prepare(bytes, &[1, 3, 28, 28], &Options::default())
-                .map_err(|_| "the model cannot be used — it is damaged — get it again")
+                .map_err(|_long| "the model cannot be used — it is damaged — get it again")
         }),
     ]
 }
