@@ -25,11 +25,11 @@ pub fn show(names: &[String], new: &mut String, ctx: &Context) -> Vec<Action> {
         ui.horizontal(|ui| {
             let edit = egui::TextEdit::singleline(new).hint_text(t!("preset-name")).desired_width(240.0);
             let field = ui.add(edit);
-            // A name can be typed at once.
-            if ui.memory(|memory| memory.focused().is_none()) {
+            let is_enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            // A name can be typed at once. Enter takes the keyboard from the field, which has to be heard first.
+            if !is_enter && ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();
             }
-            let is_enter = field.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
             let has_name = !new.trim().is_empty();
             ui.add_enabled_ui(has_name, |ui| {
                 if (widgets::main_button(ui, t!("keep")).clicked() || is_enter) && has_name {
