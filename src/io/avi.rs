@@ -25,8 +25,8 @@ fn begins(bytes: &[u8]) -> bool {
 }
 
 fn first(bytes: &[u8]) -> Result<PhotoFile, Problem> {
-    let pictures = pictures(bytes);
-    let Some(first) = pictures.first() else {
+    let found = Found::of(bytes);
+    let Some(first) = found.pictures.first() else {
         return Err(Problem::Unsupported {
             format: NAME,
             reason: "its pictures are no JPEGs".to_owned(),
@@ -34,7 +34,10 @@ fn first(bytes: &[u8]) -> Result<PhotoFile, Problem> {
         });
     };
     let mut file = photo(first)?;
-    file.info.notes.push(("pictures".to_owned(), pictures.len().to_string()));
+    file.info.notes.push(("pictures".to_owned(), found.pictures.len().to_string()));
+    if found.is_cut {
+        file.warn("the film is cut off — what lies before its end is used".to_owned());
+    }
     Ok(file)
 }
 
@@ -48,11 +51,7 @@ pub(crate) fn photo(jpeg: &[u8]) -> Result<PhotoFile, Problem> {
 
 /// The JPEGs of a film, in order; none of other files. What a damaged end holds is missing.
 pub(crate) fn pictures(bytes: &[u8]) -> Vec<&[u8]> {
-    let mut found = Found::default();
-    if begins(bytes) {
-        found.walk(bytes, 0);
-    }
-    found.pictures
+    Found::of(bytes).pictures
 }
 
 #[derive(Default)]
@@ -60,13 +59,24 @@ struct Found<'a> {
     /// The stream's two digits.
     stream: Option<[u8; 2]>,
     pictures: Vec<&'a [u8]>,
+    /// Whether a chunk is longer than what is left of the file.
+    is_cut: bool,
 }
 
 impl<'a> Found<'a> {
+    fn of(bytes: &'a [u8]) -> Self {
+        let mut found = Self::default();
+        if begins(bytes) {
+            found.walk(bytes, 0);
+        }
+        found
+    }
+
     fn walk(&mut self, mut bytes: &'a [u8], depth: usize) {
         while let Some((head, rest)) = bytes.split_at_checked(HEAD) {
             let length = u32::from_le_bytes([head[4], head[5], head[6], head[7]]) as usize;
             // A film that was cut off still has what lies before.
+            self.is_cut |= length > rest.len();
             let data = &rest[..length.min(rest.len())];
             match &head[..LETTERS] {
                 b"RIFF" | b"LIST" if depth < DEEPEST => self.walk(data.get(LETTERS..).unwrap_or_default(), depth + 1),
