@@ -123,7 +123,7 @@ fn packed_splats() -> Vec<u8> {
         bytes.extend([x, 0, -512].iter().flat_map(|value| value.to_le_bytes()[..3].to_vec()));
     }
     bytes.extend([[250; 3], [200, 128, 100], [128; 3]].concat());
-    bytes.extend([[128; 3]; 2].concat());
+    bytes.extend([128; 3]);
     bytes.extend([130; 9]);
     bytes.extend([128; 9]);
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());

@@ -102,6 +102,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Read, Problem> {
         harmonics: take(3 * head.harmonics())?,
         head,
     };
+    // The stream's checksum stands at its end, behind whatever later versions add.
+    let most = bytes.len().saturating_mul(MOST_PACKED) as u64;
+    std::io::copy(&mut packed.take(most), &mut std::io::sink()).map_err(damaged)?;
     let (degree, count) = (columns.head.degree.min(harmonics::MOST_DEGREE), columns.head.count);
     let mut cloud = Cloud::with_room(degree, count, Blend::default());
     for i in 0..count {
