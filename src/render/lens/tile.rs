@@ -34,7 +34,6 @@ pub(super) struct Optics<'a> {
     pub(super) gain: f32,
     /// Pixels that the widest kernel reaches.
     pub(super) reach: i32,
-    pub(super) size: [u32; 2],
     /// Parts of the picture's sides that a pixel has.
     pub(super) per_px: [f32; 2],
 }

@@ -79,7 +79,7 @@ impl Prepared {
         let widest = gain * lens.widest_defocus_px(self.surfaces.range_px());
         let kernels = Kernels::new(lens.shape.clone(), lens.glass, widest, self.size);
         let per_px = self.size.map(|side| 1.0 / side as f32);
-        Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, size: self.size, per_px }
+        Optics { lens, kernels, gain, reach: (widest / 2.0).ceil() as i32 + 2 * BLOCK as i32, per_px }
     }
 }
 

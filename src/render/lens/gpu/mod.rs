@@ -283,7 +283,7 @@ impl Kept {
             gather_at: self.region.at.map(|at| at as i32 - self.margin as i32),
             size: self.region.size,
             inset: [self.margin as i32; 2],
-            picture_size: optics.size,
+            picture_size: self.prepared.size,
             gain: optics.gain,
             highlights,
             focus: [focus.disparity_px, focus.tilt_px[0], focus.tilt_px[1], 0.0],
@@ -294,7 +294,7 @@ impl Kept {
 
     /// Least and greatest blur of anything in the picture, pixels.
     fn blurs(&self, optics: &Optics) -> [f32; 2] {
-        let [width, height] = optics.size.map(|side| side as i32);
+        let [width, height] = self.prepared.size.map(|side| side as i32);
         let corners = [[0, 0], [width, 0], [0, height], [width, height]];
         let disparities = self.prepared.surfaces.range_px();
         let blurs = disparities.into_iter().flat_map(|d| corners.map(|[x, y]| optics.blur(d, x, y)));
