@@ -20,6 +20,9 @@ pub(super) const SHARP_PX: f32 = 0.3;
 /// Slices on either side of the focal plane; the last one holds all that is blurred more.
 const MIDDLE: i32 = 28;
 
+/// Slices of what is nearly sharp, blurred by less than 5.7 px: the first, and the one after the last.
+pub(super) const NEARLY_SHARP: [usize; 2] = [(MIDDLE - 6) as usize, (MIDDLE + 7) as usize];
+
 /// Position of a blur diameter among the slices: one a pixel at first, then 30 % apart.
 #[inline]
 pub(super) fn slice_of(blur: f32) -> f32 {

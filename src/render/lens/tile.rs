@@ -5,6 +5,7 @@
 //! Pixels that are neighbours on one surface divide the coverage between them, so slices of one slanted surface add up
 //! to 1 as they should, where multiplying coverages would let the background through.
 
+use std::slice::SliceIndex;
 use std::sync::{Mutex, PoisonError};
 
 use super::Prepared;
@@ -12,8 +13,8 @@ use super::behind::Hidden;
 use super::bounds::reaches;
 use super::kernel::Kernels;
 use super::pixel::{Reader, Row};
-use super::rays::{BLOCK, LEVELS, Piece, SHARP_PX, Slices, slice_of};
-use super::spread::Spread;
+use super::rays::{BLOCK, LEVELS, NEARLY_SHARP, Piece, Ray, SHARP_PX, Slices, slice_of};
+use super::spread::{Spread, close};
 use super::surfaces::{MIXTURE, Seen};
 use crate::field::{Lens, pixels, ramp, sides};
 
@@ -53,6 +54,8 @@ pub(super) struct Bench {
     slices: Slices,
     spread: Spread,
     front: Vec<[f32; 4]>,
+    /// What is left to cover before anything nearly sharp is put.
+    open: Vec<f32>,
     colors: Vec<[f32; 3]>,
     /// The tile, `[y, x, 3]`.
     light: Vec<f32>,
@@ -93,16 +96,31 @@ impl Bench {
         self.front.clear();
         self.front.resize(pixels(region.size), [0.0, 0.0, 0.0, 1.0]);
         self.spread.begin(region);
-        let lit = |lists: &&[Vec<_>; LEVELS]| lists.iter().any(|rays| !rays.is_empty());
-        for rays in self.slices.rays.iter().rev().filter(lit) {
-            self.spread.put_behind(rays, optics, &mut self.front);
+        let [first, end] = NEARLY_SHARP;
+        self.put(end.., optics);
+        self.open.clear();
+        self.open.extend(self.front.iter().map(|pixel| pixel[3]));
+        if self.put(first..end, optics) {
+            self.front.iter_mut().zip(&self.open).for_each(|(pixel, open)| close(pixel, *open));
         }
+        self.put(..first, optics);
         self.light.clear();
         self.light.extend(self.front.iter().flat_map(|[r, g, b, left]| {
             let covered = 1.0 - left;
             let share = if covered > 0.0 { 1.0 / covered } else { 0.0 };
             [r * share, g * share, b * share]
         }));
+    }
+
+    /// Puts slices behind what is there, the near ones first; false where none of them has any light.
+    fn put(
+        &mut self,
+        slices: impl SliceIndex<[[Vec<Ray>; LEVELS]], Output = [[Vec<Ray>; LEVELS]]>,
+        optics: &Optics,
+    ) -> bool {
+        let lit = |lists: &&[Vec<_>; LEVELS]| lists.iter().any(|rays| !rays.is_empty());
+        let lit = self.slices.rays[slices].iter().rev().filter(lit);
+        lit.map(|rays| self.spread.put_behind(rays, optics, &mut self.front)).count() > 0
     }
 
     /// All light that reaches a region, block by block of the picture's grid.

@@ -32,6 +32,8 @@ struct Span {
 const UNIT: f32 = 16777216.0;
 const MIDDLE: i32 = 28;
 const SHARP_PX: f32 = 0.3;
+const NEARLY_SHARP: i32 = 6;
+const LOOSE = vec2f(0.05, 0.2);
 const DARK: f32 = 0.004;
 const FAR_SPREAD: f32 = 1.5;
 const NEAR_SPREAD: f32 = 4.0;
@@ -53,6 +55,8 @@ const ROW_LANES: u32 = 64u;
 @group(0) @binding(9) var<storage, read_write> steps: array<atomic<i32>>;
 @group(0) @binding(10) var<storage, read_write> still: array<vec4f>;
 @group(0) @binding(11) var<storage, read_write> front: array<vec4f>;
+// What is left to cover before anything nearly sharp is put.
+@group(0) @binding(12) var<storage, read_write> open: array<f32>;
 
 @group(1) @binding(0) var<uniform> slice: vec4i;
 
@@ -246,9 +250,22 @@ fn cover(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     }
 }
 
+fn close(i: u32) {
+    let left = front[i].w;
+    if left > 0.0 && left < LOOSE.y * open[i] {
+        let kept = left * ramp(LOOSE.x, LOOSE.y, left / open[i]);
+        front[i] = vec4f(front[i].rgb * ((1.0 - kept) / (1.0 - left)), kept);
+    }
+}
+
 fn put_behind(i: u32, spread_light: vec4f) {
     let light = spread_light + still[i];
     still[i] = vec4f(0.0);
+    if slice.x == NEARLY_SHARP {
+        open[i] = front[i].w;
+    } else if slice.x == -NEARLY_SHARP - 1 {
+        close(i);
+    }
     if light.w <= 1e-5 {
         return;
     }

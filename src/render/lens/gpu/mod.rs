@@ -158,12 +158,13 @@ impl LensGpu {
         let steps = self.empty(16 * u64::from(width + 2) * u64::from(height));
         let still = self.empty(16 * pixels);
         let front = self.storage(bytemuck::cast_slice(&vec![[0.0f32, 0.0, 0.0, 1.0]; pixels as usize]));
+        let open = self.storage(bytemuck::cast_slice(&vec![1.0f32; pixels as usize]));
         let [colors, sides, hidden, nears] = &kept.buffers;
         let bind = |pipeline: &wgpu::ComputePipeline, buffers: &[(u32, &wgpu::Buffer)]| self.bind(pipeline, buffers);
         let own = [(0, &params), (5, &lights), (6, &blurs)];
         let pieces = bind(&self.pieces, &[&own[..], &[(1, colors), (2, sides), (3, hidden), (4, nears)]].concat());
         let spread = bind(&self.spread, &[&own[..], &[(7, &kernels), (8, &spans), (9, &steps), (10, &still)]].concat());
-        let cover = bind(&self.cover, &[(0, &params), (9, &steps), (10, &still), (11, &front)]);
+        let cover = bind(&self.cover, &[(0, &params), (9, &steps), (10, &still), (11, &front), (12, &open)]);
         let slices = self.slices(kept.slices(optics));
         let groups = gather.map(|side| side.div_ceil(8));
         let mut encoder = self.device.create_command_encoder(&Default::default());
@@ -172,13 +173,14 @@ impl LensGpu {
             pass.set_pipeline(&self.pieces);
             pass.set_bind_group(0, &pieces, &[]);
             pass.dispatch_workgroups(groups[0], groups[1], 1);
-            for slice in &slices {
+            for [to_spread, to_cover] in &slices {
                 pass.set_pipeline(&self.spread);
                 pass.set_bind_group(0, &spread, &[]);
-                pass.set_bind_group(1, slice, &[]);
+                pass.set_bind_group(1, to_spread, &[]);
                 pass.dispatch_workgroups(groups[0], groups[1], 1);
                 pass.set_pipeline(&self.cover);
                 pass.set_bind_group(0, &cover, &[]);
+                pass.set_bind_group(1, to_cover, &[]);
                 pass.dispatch_workgroups(height, 1, 1);
             }
         }
@@ -186,8 +188,8 @@ impl LensGpu {
         front
     }
 
-    /// A group of bindings for every slice, from the near side to the far one.
-    fn slices(&self, [far, near]: [i32; 2]) -> Vec<wgpu::BindGroup> {
+    /// Groups of bindings for every slice, to spread it and to put it behind; from the near side to the far one.
+    fn slices(&self, [far, near]: [i32; 2]) -> Vec<[wgpu::BindGroup; 2]> {
         let numbers: Vec<i32> = (far..=near).rev().collect();
         let mut bytes = vec![0u8; SLICE_BYTES * numbers.len()];
         for (slot, number) in bytes.chunks_exact_mut(SLICE_BYTES).zip(&numbers) {
@@ -198,18 +200,18 @@ impl LensGpu {
             contents: &bytes,
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        let layout = self.spread.get_bind_group_layout(1);
-        let group = |i: usize| {
+        let layouts = [&self.spread, &self.cover].map(|pipeline| pipeline.get_bind_group_layout(1));
+        let group = |i: usize, layout: &wgpu::BindGroupLayout| {
             let offset = (i * SLICE_BYTES) as u64;
             let binding = wgpu::BufferBinding { buffer: &buffer, offset, size: std::num::NonZeroU64::new(16) };
             let entry = wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(binding) };
             self.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("slice"),
-                layout: &layout,
+                layout,
                 entries: &[entry],
             })
         };
-        (0..numbers.len()).map(group).collect()
+        (0..numbers.len()).map(|i| layouts.each_ref().map(|layout| group(i, layout))).collect()
     }
 
     fn bind(&self, pipeline: &wgpu::ComputePipeline, buffers: &[(u32, &wgpu::Buffer)]) -> wgpu::BindGroup {

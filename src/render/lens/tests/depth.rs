@@ -76,3 +76,20 @@ fn no_block_is_blurred_more_than_its_bound() {
         }
     }
 }
+
+#[test]
+fn a_bright_wall_does_not_shine_through_where_blur_passes_the_focal_plane() {
+    let size = [96, 80];
+    let photo = photo(size, |x, _| if x < EDGE { [0.0; 3] } else { [1.0; 3] });
+    for slope in [0.15, 0.3, 0.45] {
+        // A dark surface that leans through the focal plane, and the wall far behind it.
+        let blur = |y: f32| slope * (y - 40.0);
+        let out = take(&photo, map(size, |x, y| if x < EDGE { blur(y) / PAPER } else { -3.0 }), &focused(0.0));
+        for y in 16..64 {
+            let reach = blur(y as f32).abs() / 2.0 + 2.5;
+            let inside = (40..60).filter(|&x| (x as f32) < EDGE - reach);
+            let brightest = inside.map(|x| at(&out, x, y)[1]).fold(0.0, f32::max);
+            assert!(brightest < 0.012, "{slope} px a pixel, row {y}: {brightest}");
+        }
+    }
+}
