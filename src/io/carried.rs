@@ -64,6 +64,11 @@ pub(crate) fn is_told_of(packet: &[u8]) -> bool {
     packet.windows(NAMESPACE.len()).any(|window| window == NAMESPACE.as_bytes())
 }
 
+/// What a packet that is no XMP any more has carried: nothing that can be used, but not nothing.
+pub(crate) fn find_damaged(packet: &[u8]) -> Option<Result<Carried, String>> {
+    is_told_of(packet).then(|| Xmp::parse(packet).err()).flatten().map(Err)
+}
+
 /// Looks for it in a picture's XMP.
 ///
 /// # Errors

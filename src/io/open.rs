@@ -124,10 +124,14 @@ impl PhotoFile {
 
     /// Takes in what this program writes into the XMP of every format: an edit, and depth as phones write it.
     pub(crate) fn with_xmp(mut self) -> Self {
-        let metadata = self.photo.metadata();
-        // A broken packet goes along as it is.
-        let Some(Ok(xmp)) = metadata.xmp.as_deref().map(Xmp::parse) else { return self };
-        let orientation = metadata.orientation;
+        let photo = Arc::clone(&self.photo);
+        let Some(packet) = photo.metadata().xmp.as_deref() else { return self };
+        let Ok(xmp) = Xmp::parse(packet) else {
+            // A broken packet goes along as it is.
+            self.take_carried(carried::find_damaged(packet));
+            return self;
+        };
+        let orientation = photo.metadata().orientation;
         self.take_carried(carried::find(&xmp, None));
         let oriented = |depth: EmbeddedDepth| depth.oriented(orientation).map_err(|error| error.to_string());
         match gdepth::find(&xmp, None).map(|found| found.and_then(oriented)) {

@@ -131,7 +131,8 @@ impl Loader {
                 return batch;
             }
             let received = self.receiver.as_ref().and_then(|r| r.recv().ok());
-            let (number, batch) = received.ok_or_else(|| TrainError::Data { why: "its threads ended".into() })?;
+            let (number, batch) = received
+                .ok_or_else(|| TrainError::Data { why: "the data engine stopped: its threads ended".into() })?;
             self.early.insert(number, batch);
         }
     }

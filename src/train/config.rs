@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::Place;
 use crate::nets::Arch;
-use crate::scenes::MEASURED;
+use crate::scenes::{MEASURED, ROOMS};
 
 /// What is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -99,6 +99,10 @@ fn measured() -> f32 {
     MEASURED
 }
 
+fn rooms() -> f32 {
+    ROOMS
+}
+
 /// A run of the trainer.
 #[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 pub struct Config {
@@ -184,6 +188,14 @@ pub struct Config {
     #[arg(long, default_value_t = MEASURED)]
     #[serde(default = "measured")]
     pub measured: f32,
+    /// Part of the other lifted maps that are rooms with good maps
+    #[arg(long, default_value_t = ROOMS)]
+    #[serde(default = "rooms")]
+    pub rooms: f32,
+    /// Part of the lifted maps that lie on a side or upside down
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub turned: f32,
     /// Part of the samples on which falls light that says nothing about depth: slopes, spots, bright sides, veils
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]

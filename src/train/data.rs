@@ -30,6 +30,8 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         // As nearness maps are: one net learns one curve.
         curve: scenes::Curve::Relief,
         measured: config.measured,
+        rooms: config.rooms,
+        turned: config.turned,
         shading: config.shading,
         pitfalls: config.pitfalls,
         ..scenes::Config::default()

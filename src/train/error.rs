@@ -112,7 +112,7 @@ pub enum TrainError {
         batch: usize,
     },
     /// The data engine gave up.
-    #[error("the data engine stopped: {why}")]
+    #[error("{why}")]
     Data {
         /// What it said.
         why: String,

@@ -13,7 +13,7 @@ use plenoscope::errors::sentence;
 use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope_train::checkpoint::{Checkpoint, Moments};
 use plenoscope_train::config::{Config, Preset, Stage};
-use plenoscope_train::export::{self, About};
+use plenoscope_train::export::{self, About, Bits};
 use plenoscope_train::{bench, data, eval, paper, recorded, run, scenes};
 
 #[global_allocator]
@@ -83,6 +83,7 @@ fn export_command() -> Command {
                 .value_parser(export::gain)
                 .default_value("1"),
         )
+        .arg(arg!(--half "Keep the weights in 16 bits: half the file, ray depths off by some thousandths of a pixel"))
         .arg(
             arg!(--checkpoint <FILE> "Also save a small checkpoint, without moments, to start from")
                 .required(false)
@@ -173,6 +174,7 @@ fn export(matches: &ArgMatches) -> Result<()> {
         licence: required(matches, "licence")?,
         training_data: matches.get_many::<String>("training-data").into_iter().flatten().cloned().collect(),
         working_long_side: required(matches, "long-side")?,
+        bits: if matches.get_flag("half") { Bits::Sixteen } else { Bits::ThirtyTwo },
     };
     let (folder, difference) = export::export(&net, &about, &required::<PathBuf>(matches, "models")?)?;
     if let Some(path) = matches.get_one::<PathBuf>("checkpoint") {

@@ -164,7 +164,7 @@ fn what_a_stranger_wrote_is_one_sentence_and_reads_nothing_else() {
         [&text[..start], new, &text[end..]].concat()
     };
     let deep = "[".repeat(100_000);
-    let cases: [(&str, &str, String, &str); 8] = [
+    let cases: [(&str, &str, String, &str); 9] = [
         ("cut base64", "plenoscope:Photo=\"", "AAAA".into(), "damaged"),
         ("no base64", "plenoscope:Photo=\"", "<!--".replace('<', "&lt;"), "base64"),
         ("another hash", "PhotoSha256=\"", "0".repeat(64), "damaged"),
@@ -178,6 +178,7 @@ fn what_a_stranger_wrote_is_one_sentence_and_reads_nothing_else() {
             "out of range",
         ),
         ("a later version", "plenoscope:Version=\"", "9".into(), "later version"),
+        ("no XML", "Recipe=\"", "\" == \"".into(), "its XMP"),
     ];
     for (what, from, new, why) in cases {
         let picture = inside.join("picture.png");

@@ -13,7 +13,7 @@ use crate::checkpoint::Checkpoint;
 use crate::files;
 use crate::nets::{Arch, RANGE_PX, SIDE, Task};
 
-pub use onnx::encode;
+pub use onnx::{Bits, encode};
 pub use verify::difference;
 
 /// What the manifest says beside what the net itself knows.
@@ -27,6 +27,8 @@ pub struct About {
     pub training_data: Vec<String>,
     /// Long side in px at which it works best.
     pub working_long_side: usize,
+    /// What its weights are kept in.
+    pub bits: Bits,
 }
 
 /// `manifest.toml`, in the order it is read.
@@ -47,9 +49,10 @@ struct Manifest<'a> {
 }
 
 /// Largest difference between the exported and the trained net that is accepted: px for a depth net, units of −1 … 1
-/// for the occlusion net.
-pub fn tolerance(arch: Arch) -> f32 {
-    if arch == Arch::Occlusion { 1e-5 } else { 1e-4 }
+/// for the occlusion net. Weights of 16 bits are rounded by a 4,000th; a view moves by four times a ray depth.
+pub fn tolerance(arch: Arch, bits: Bits) -> f32 {
+    let exact = if arch == Arch::Occlusion { 1e-5 } else { 1e-4 };
+    if bits == Bits::Sixteen { 200.0 * exact } else { exact }
 }
 
 /// Reads a factor of ray depths, as `--gain` is written.
@@ -75,9 +78,9 @@ pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf
     }
     let folder = models.join(&about.id);
     let path = folder.join("model.onnx");
-    let bytes = encode(&net.arch.graph(), net.best())?;
+    let bytes = encode(&net.arch.graph(), net.best(), about.bits)?;
     let found = difference(net, &bytes, 64)?;
-    let accepted = tolerance(net.arch);
+    let accepted = tolerance(net.arch, about.bits);
     if found.is_nan() || found > accepted {
         return Err(TrainError::Export { difference: found, tolerance: accepted, path });
     }
@@ -124,6 +127,24 @@ mod tests {
         net
     }
 
+    fn about(id: &str, bits: Bits) -> About {
+        let training_data = vec!["none".into()];
+        About { id: id.into(), licence: "MIT".into(), training_data, working_long_side: 128, bits }
+    }
+
+    #[test]
+    fn weights_of_sixteen_bits_are_half_the_file_and_nearly_the_same_net() {
+        let folder = tempfile::tempdir().unwrap();
+        let net = lived_in(Arch::Tiny);
+        let written = |bits| {
+            let (path, found) = export(&net, &about("tiny", bits), folder.path()).unwrap();
+            (std::fs::metadata(path.join("model.onnx")).unwrap().len(), found)
+        };
+        let [(whole, _), (half, found)] = [Bits::ThirtyTwo, Bits::Sixteen].map(written);
+        assert!(half * 2 < whole + 12_000, "{half} of {whole} bytes");
+        assert!(found > 0.0 && found < 0.01, "{found}");
+    }
+
     #[test]
     fn a_gain_multiplies_small_ray_depths() {
         let input: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
@@ -157,12 +178,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for arch in [Arch::AppearanceFlow, Arch::DirectRegression] {
             let net = lived_in(arch);
-            let about =
-                About { id: "views".into(), licence: "MIT".into(), training_data: Vec::new(), working_long_side: 128 };
+            let about = about("views", Bits::ThirtyTwo);
             let text = export(&net, &about, folder.path()).unwrap_err().to_string();
             assert!(text.contains(&arch.name()) && text.contains("ray depths"), "{text}");
-            let found = difference(&net, &encode(&arch.graph(), net.best()).unwrap(), 20).unwrap();
-            assert!(found <= 4.0 * tolerance(arch), "{found}");
+            let found = difference(&net, &encode(&arch.graph(), net.best(), about.bits).unwrap(), 20).unwrap();
+            assert!(found <= 4.0 * tolerance(arch, about.bits), "{found}");
         }
     }
 
@@ -170,14 +190,9 @@ mod tests {
     fn exported_nets_compute_what_the_trained_ones_do() {
         let folder = tempfile::tempdir().unwrap();
         for (arch, id) in [(Arch::Tiny, "tiny"), (Arch::Occlusion, "occlusion")] {
-            let about = About {
-                id: id.into(),
-                licence: "MIT".into(),
-                training_data: vec!["none".into()],
-                working_long_side: 128,
-            };
+            let about = about(id, Bits::ThirtyTwo);
             let (path, found) = export(&lived_in(arch), &about, folder.path()).unwrap();
-            assert!(found <= tolerance(arch), "{found}");
+            assert!(found <= tolerance(arch, about.bits), "{found}");
             let text = std::fs::read_to_string(path.join("manifest.toml")).unwrap();
             assert!(text.contains("sha256") && text.contains(&format!("id = \"{id}\"")), "{text}");
         }

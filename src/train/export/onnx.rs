@@ -4,6 +4,7 @@
 
 use prost::Message as _;
 use tract_onnx::pb;
+use tract_onnx::prelude::f16;
 
 use crate::TrainError;
 use crate::nets::{Conv, End, Graph, NORM_EPSILON, Node, VIEWS, Weights};
@@ -11,9 +12,19 @@ use crate::nets::{Conv, End, Graph, NORM_EPSILON, Node, VIEWS, Weights};
 const OPSET: i64 = 17;
 const IR_VERSION: i64 = 8;
 
+/// The bits that a convolution's weights are kept in; it computes in 32 either way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bits {
+    /// As they were trained.
+    #[default]
+    ThirtyTwo,
+    /// Half the file, behind a `Cast`.
+    Sixteen,
+}
+
 /// The file's bytes.
-pub fn encode(graph: &Graph, weights: &Weights) -> Result<Vec<u8>, TrainError> {
-    let mut writer = Writer { rank: graph.rank, ..Writer::default() };
+pub fn encode(graph: &Graph, weights: &Weights, bits: Bits) -> Result<Vec<u8>, TrainError> {
+    let mut writer = Writer { rank: graph.rank, bits, ..Writer::default() };
     let mut names: Vec<String> = Vec::new();
     for (i, node) in graph.nodes.iter().enumerate() {
         let name = match node {
@@ -65,6 +76,7 @@ fn value_info(name: &str, channels: usize, rank: usize) -> pb::ValueInfoProto {
 #[derive(Default)]
 struct Writer {
     rank: usize,
+    bits: Bits,
     nodes: Vec<pb::NodeProto>,
     arrays: Vec<pb::TensorProto>,
 }
@@ -85,6 +97,17 @@ impl Writer {
     fn floats(&mut self, name: &str, dims: &[usize], values: &[f32]) {
         let raw_data = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.array(name, dims, pb::tensor_proto::DataType::Float, raw_data);
+    }
+
+    /// Values that a node named so gives, in as many bits as the file keeps.
+    fn weights(&mut self, name: &str, dims: &[usize], values: &[f32]) {
+        if self.bits == Bits::ThirtyTwo {
+            return self.floats(name, dims, values);
+        }
+        let raw_data = values.iter().flat_map(|v| f16::from_f32(*v).to_le_bytes()).collect();
+        let kept = format!("{name}.half");
+        self.array(&kept, dims, pb::tensor_proto::DataType::Float16, raw_data);
+        self.node("Cast", &[&kept], name, vec![int("to", pb::tensor_proto::DataType::Float as i64)]);
     }
 
     fn array(&mut self, name: &str, dims: &[usize], kind: pb::tensor_proto::DataType, raw_data: Vec<u8>) {
@@ -111,7 +134,7 @@ impl Writer {
         let mut shape = vec![conv.outputs, conv.inputs];
         shape.extend(vec![3; self.rank]);
         let (weight_name, bias_name) = (format!("{name}.weight"), format!("{name}.bias"));
-        self.floats(&weight_name, &shape, &values);
+        self.weights(&weight_name, &shape, &values);
         self.floats(&bias_name, &[conv.outputs], &bias);
         let attributes = vec![
             ints("kernel_shape", vec![3; self.rank]),

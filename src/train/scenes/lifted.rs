@@ -3,7 +3,7 @@
 use super::cutout::Cutout;
 use super::layer::{Layer, Scene};
 use super::library::{Picture, nearness_from_byte};
-use super::place::{Canvas, Place, Tone, ground};
+use super::place::{Canvas, Place, Tone, ground, turned_size};
 use super::raster::Raster;
 use super::{Kind, Sample, Source, add_noise, render, walls};
 use crate::rng::Rng;
@@ -143,10 +143,17 @@ impl Source {
         sample
     }
 
-    /// A nearness map lifted; where there is a mask too, the subject is a layer of its own.
-    pub(super) fn pseudo(&self, rng: &mut Rng, crop: [usize; 2], views: Vec<usize>, picture: &Picture) -> Sample {
+    /// A nearness map lifted, after some quarter turns; where there is a mask too, the subject is a layer of its own.
+    pub(super) fn pseudo(
+        &self,
+        rng: &mut Rng,
+        crop: [usize; 2],
+        views: Vec<usize>,
+        picture: &Picture,
+        turns: usize,
+    ) -> Sample {
         let canvas = self.canvas(rng, crop);
-        let place = self.place(rng, picture.rgb.size, &canvas);
+        let place = self.place(rng, turned_size(picture.rgb.size, turns), &canvas).turned(picture.rgb.size, turns);
         let full = canvas.full();
         let tone = if self.config.augment { Tone::random(rng, self.config.variety) } else { Tone::plain() };
         let cutout = picture.cutout();
@@ -172,8 +179,8 @@ impl Source {
         if self.config.augment {
             add_noise(rng, &mut sample.rgb, &self.config);
         }
-        // Where a guest stands before it, its mask no longer tells what is in front.
-        sample.subject = cutout.filter(|_| !guest).map(|cutout| subject(&canvas, &place, cutout));
+        // Where a guest stands before it, its mask no longer tells what is in front; nor what is below, when it is turned.
+        sample.subject = cutout.filter(|_| !guest && turns == 0).map(|cutout| subject(&canvas, &place, cutout));
         sample
     }
 }

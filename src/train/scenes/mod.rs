@@ -60,9 +60,12 @@ use solid::Stock;
 pub const REFERENCE: usize = 36;
 /// Usual share of lifted maps whose depth was measured.
 pub const MEASURED: f32 = 0.15;
-/// Shares of lifted maps whose depth was not measured that are rooms with good maps, and of the rest that show flowers.
-const WELL_LABELLED: f32 = 0.2;
+/// Usual share of lifted maps whose depth was not measured that are rooms with good maps.
+pub const ROOMS: f32 = 0.2;
+/// Share of the rest that show flowers.
 const FLOWERS: f32 = 0.2;
+/// Tells the chance of turned photos from that of all else.
+const TURNING: u64 = 0x7475_726e;
 /// Tells the chance of shading from that of all else.
 const SHADING: u64 = 0x7368_6164;
 /// Nearness of the focal plane.
@@ -115,6 +118,10 @@ pub struct Config {
     pub curve: Curve,
     /// Share of lifted maps whose depth was measured.
     pub measured: f32,
+    /// Share of the other lifted maps that are rooms with good maps.
+    pub rooms: f32,
+    /// Share of lifted maps that lie on a side or upside down: what the row tells of them is wrong.
+    pub turned: f32,
     /// Share of augmented samples on which falls light that says nothing about depth.
     pub shading: f32,
     /// Share of scenes in three dimensions that show what nets read wrongly: bare tops under uneven light, bright upper
@@ -140,6 +147,8 @@ impl Default for Config {
             stretch: [1.0; 2],
             curve: Curve::Camera,
             measured: MEASURED,
+            rooms: ROOMS,
+            turned: 0.0,
             shading: 0.0,
             pitfalls: 0.0,
         }
@@ -174,7 +183,13 @@ impl Config {
         if !(1..=64).contains(&self.views_per_sample) {
             return wrong("views_per_sample", self.views_per_sample.to_string(), "1 to 64");
         }
-        let parts = [("measured", self.measured), ("shading", self.shading), ("pitfalls", self.pitfalls)];
+        let parts = [
+            ("measured", self.measured),
+            ("rooms", self.rooms),
+            ("turned", self.turned),
+            ("shading", self.shading),
+            ("pitfalls", self.pitfalls),
+        ];
         if let Some((what, got)) = parts.into_iter().find(|(_, part)| !(0.0..=1.0).contains(part)) {
             return wrong(what, got.to_string(), "a share from 0 to 1");
         }
@@ -226,7 +241,10 @@ impl Source {
         let stock = (config.mix.solid > 0.0).then(|| Stock::load(&config.data, config.split));
         // Such scenes are made of rules where there is nothing else.
         let library = match Library::load(config) {
-            Err(SceneError::Empty { .. }) if stock.is_some() => Library::default(),
+            Err(empty @ SceneError::Empty { .. }) if stock.is_some() => {
+                let notes = vec![format!("{empty}; all samples are scenes made by rule")];
+                Library { notes, ..Library::default() }
+            }
             library => library?,
         };
         Ok(Self { stock, ..Self::from_library(config, library) })
@@ -302,10 +320,10 @@ impl Source {
             Kind::Pseudo => {
                 let [others, flowers, rooms, measured] = &self.mapped;
                 let rest = either(rng, FLOWERS, flowers, others);
-                let rest = either(rng, WELL_LABELLED, rooms, rest);
+                let rest = either(rng, self.config.rooms, rooms, rest);
                 let list = either(rng, self.config.measured, measured, rest);
                 let picture = self.framed(rng, list, crop);
-                self.pseudo(rng, crop, views, picture)
+                self.pseudo(rng, crop, views, picture, self.turns(index))
             }
         };
         self.shade(&mut sample, index);
@@ -318,6 +336,12 @@ impl Source {
         if self.config.augment && rng.chance(self.config.shading) {
             Shade::random(rng).apply(&mut sample.rgb, sample.size);
         }
+    }
+
+    /// Quarter turns of sample `index`, with a chance of its own.
+    fn turns(&self, index: u64) -> usize {
+        let rng = &mut Rng::new(self.config.seed ^ TURNING, index);
+        if self.config.augment && rng.chance(self.config.turned) { 1 + rng.below(3) } else { 0 }
     }
 
     /// Scene `index` in three dimensions as it is drawn for validation: the reference view alone.

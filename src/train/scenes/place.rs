@@ -104,6 +104,22 @@ impl Place {
         Self { axes, origin, yx, rows: [yx[0] - step * canvas.margin as f32, step] }
     }
 
+    /// The same place of a picture of this size that is shown after so many quarter turns to the left: `self` was made
+    /// for the turned picture.
+    pub fn turned(mut self, [w, h]: [usize; 2], turns: usize) -> Self {
+        let end = [w, h].map(|side| side as f32 - 1.0);
+        let (turn, shift): (fn([f32; 2]) -> [f32; 2], [f32; 2]) = match turns % 4 {
+            0 => return self,
+            1 => (|[x, y]| [-y, x], [end[0], 0.0]),
+            2 => (|[x, y]| [-x, -y], end),
+            _ => (|[x, y]| [y, -x], [0.0, end[1]]),
+        };
+        self.axes = self.axes.map(turn);
+        let origin = turn(self.origin);
+        self.origin = [0, 1].map(|i| origin[i] + shift[i]);
+        self
+    }
+
     /// A cut-out: source place `from` comes to canvas place `to` (without margin); `axis` is the source step for a step
     /// right, `flip` −1 where it is mirrored.
     pub fn similar(from: [f32; 2], to: [f32; 2], axis: [f32; 2], flip: f32, canvas: &Canvas) -> Self {
@@ -139,6 +155,11 @@ impl Place {
     pub fn row(&self, y: usize) -> f32 {
         ((self.rows[0] + self.rows[1] * y as f32) * 0.5 + 0.5).clamp(0.0, 1.0)
     }
+}
+
+/// Width and height after so many quarter turns.
+pub fn turned_size([w, h]: [usize; 2], turns: usize) -> [usize; 2] {
+    if turns.is_multiple_of(2) { [w, h] } else { [h, w] }
 }
 
 /// A change of tone: gamma and a gain for each channel.
@@ -209,6 +230,29 @@ pub fn ground(rng: &mut Rng, place: &Place, size: [usize; 2]) -> Raster<f32> {
                 let down = 2.0 * place.row(y) - 1.0;
                 low + rise * (0.5 + 0.35 * (cos * across(x) + sin * down)).clamp(0.0, 1.0)
             })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turned_picture_is_the_picture_turned() {
+        let size = [5, 3];
+        let source = Raster::from_fn(size, |x, y| (10 * x + 40 * y) as u8);
+        for turns in 0..4 {
+            let turned = turned_size(size, turns);
+            let canvas = Canvas { size: turned, margin: 0, range_px: 1.0, focus: 0.5 };
+            let shown = Place::whole(turned, &canvas).turned(size, turns).fill(&source, turned);
+            let mut by_hand = source.clone();
+            for _ in 0..turns {
+                let [w, h] = by_hand.size;
+                by_hand = Raster::from_fn([h, w], |x, y| by_hand.px[x * w + w - 1 - y]);
+            }
+            let wanted: Vec<f32> = by_hand.px.iter().map(|&texel| f32::from(texel)).collect();
+            assert_eq!(shown.px, wanted, "{turns}");
         }
     }
 }

@@ -67,6 +67,7 @@ pub fn command() -> Command {
                 .hide_default_value(true)
                 .value_parser(value_parser!(Mix)),
         )
+        .arg(part("turned", "Part of the lifted maps that lie on a side or upside down"))
         .arg(part("shading", "Part of the samples on which falls light that says nothing about depth"))
         .arg(part("pitfalls", "Part of the scenes that show bare tops under uneven light, bright upper walls, portraits"))
         .arg(arg!(--"held-out" "Photos that training never sees, as they are: what methods are judged by"))
@@ -99,6 +100,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         views_per_sample: number("views"),
         mix: matches.get_one::<Mix>("mix").copied().unwrap_or_default(),
         seed: matches.get_one::<u64>("seed").copied().unwrap_or(1),
+        turned: share("turned"),
         shading: share("shading"),
         pitfalls: share("pitfalls"),
         ..Config::default()

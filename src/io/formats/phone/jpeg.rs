@@ -55,7 +55,8 @@ fn open(bytes: &[u8]) -> Result<PhotoFile, Problem> {
     main.xmp = main.xmp.filter(|xmp| !describes_extras(xmp));
     let mut file = PhotoFile::from_raster(main, TYPE.name)?;
     file.info.notes = notes;
-    file.take_carried(carried::find(&extras.xmp, extras.extended.as_ref()));
+    let carried = carried::find(&extras.xmp, extras.extended.as_ref());
+    file.take_carried(carried.or_else(|| carried::find_damaged(parts.xmp()?)));
     if let Some(depth) = depth {
         file.set_depth(depth.oriented(orientation)?);
     }
