@@ -43,7 +43,7 @@ mod view;
 
 pub use disparity_map::{DisparityMap, RelativeDepth, disparity_scale};
 pub use glass::Glass;
-pub use grid::{ViewGrid, ViewIndex, ViewOffset};
+pub use grid::{ViewBlock, ViewGrid, ViewIndex, ViewOffset};
 pub use histogram::Histogram;
 pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
