@@ -55,7 +55,7 @@ pub use provenance::{Provenance, Seen};
 pub use rank::{Moments, correlation, spearman};
 pub use raster::Raster;
 pub use ray_depths::RayDepths;
-pub use resample::{Filter, nearest, nearest_index, resample};
+pub use resample::{Filter, center_at, nearest, nearest_index, resample};
 pub(crate) use resample::{Taps, resample_rows};
 pub use size::{Size, fit_long_side, pixels, sides, size_from};
 pub use strength::Strength;

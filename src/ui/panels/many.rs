@@ -32,6 +32,7 @@ pub fn show(files: &[PathBuf], settings: &mut Settings, ctx: &Context) -> Vec<Ac
             names.push(t!("and-more", count = files.len() - LISTED));
         }
         ui.label(RichText::new(names.join(", ")).color(colors.weak));
+        ui.label(t!("many-ask"));
         ui.checkbox(takes_mean, t!("take-mean")).on_hover_text(t!("take-mean-hint"));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let button = |ui: &mut Ui, text: &str, is_main: bool| match is_main {

@@ -323,6 +323,7 @@ files-count = { $count ->
    *[other] { $count } Dateien
  }
 and-more = und { $count } weitere
+many-ask = Fotos eines Motivs, von leicht verschiedenen Stellen aufgenommen – oder jedes für sich?
 one-subject-hint = Freihändig von leicht verschiedenen Stellen aufgenommen: Die Tiefe wird gemessen, und was eines verdeckt, zeigt ein anderes
 one-subject = Ein Motiv
 take-mean = Weniger Rauschen: Mittel der Fotos

@@ -323,6 +323,7 @@ files-count = { $count ->
    *[other] { $count } files
  }
 and-more = and { $count } more
+many-ask = Photos of one subject, taken from places a little apart – or each for itself?
 one-subject-hint = A hand took them from places a little apart: depth is measured, and what one hides another shows
 one-subject = One subject
 take-mean = Less noise: the mean of the photos
