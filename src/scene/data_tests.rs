@@ -72,7 +72,7 @@ fn six_views_of_a_light_field_tell_nearly_as_much_as_all_with_their_positions() 
 }
 
 #[test]
-#[ignore = "takes a minute in a build without optimisation"]
+#[ignore = "takes a dozen seconds more"]
 fn six_views_of_flowers_do_too() {
     let Some(data) = data() else { return };
     for name in ["daisies_illum", "leaves_f01"] {

@@ -192,7 +192,7 @@ impl Several {
         let is_out = |i: usize| solved.posed.poses[i].is_none();
         let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| self.frames[i].name.as_str()).collect();
         if !out.is_empty() {
-            job.sink.warning(format!("{} of the photos do not fit and are left out: {}", out.len(), out.join(", ")));
+            job.sink.warning(format!("Photos that do not fit are left out: {}", out.join(", ")));
         }
         Ok(Ok(Arc::new(solved)))
     }

@@ -128,13 +128,7 @@ fn photos_of(from: &OpenFrom, document: &Document) -> Option<Vec<PathBuf>> {
 }
 
 /// Reads a file and tells the window at once, with the picture ready for the screen. None where a person is asked first.
-fn open(
-    from: &OpenFrom,
-    job_id: JobId,
-    job: &Job,
-    ahead: &Ahead,
-    outbox: &Outbox,
-) -> Result<Option<Document>, String> {
+fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -> Result<Option<Document>, String> {
     let started = Instant::now();
     let mut tiles = None;
     let document = match from {

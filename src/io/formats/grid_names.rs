@@ -84,11 +84,7 @@ pub(super) fn find(folder: &Path, grid: Option<ViewGrid>) -> Result<Option<GridF
 }
 
 /// Rows and columns; none where it is rather days and times, so that most places are empty.
-fn two_numbers(
-    files: Family,
-    [row, col]: [usize; 2],
-    grid: Option<ViewGrid>,
-) -> Result<Option<GridFiles>, Problem> {
+fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) -> Result<Option<GridFiles>, Problem> {
     let distinct = |at: usize| {
         let mut all: Vec<u64> = files.iter().map(|(numbers, _)| numbers[at]).collect();
         all.sort_unstable();

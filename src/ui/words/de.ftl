@@ -956,7 +956,7 @@ heard-left-out = { $why } — es bleibt weg
 heard-left-out-shape = { $name } bleibt weg — es hat andere Seitenverhältnisse als das erste Foto
 heard-left-out-lens = { $name } bleibt weg — es wurde mit anderem Objektiv oder Zoom aufgenommen als das erste Foto
 heard-left-out-than = { $name } bleibt weg — { $why } als das erste Foto
-heard-photos-left-out = { $number } der Fotos passen nicht und bleiben weg
+heard-photos-left-out = Fotos, die nicht passen, bleiben weg
 heard-one-usable = Nur ein Foto ist verwendbar, daher werden seine anderen Ansichten berechnet
 heard-no-photo-number = es gibt kein Foto { $wanted } — { $count } wurden angegeben — nennen Sie ein anderes
 
