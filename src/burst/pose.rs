@@ -32,7 +32,8 @@ const STILL_PX: f64 = 0.35;
 const CLEAR: f64 = 6.0;
 /// Movement of the whole picture below which the camera stood still, in the same pixels.
 const HELD_PX: f64 = 2.0;
-/// Share of the cost that is left where a rolling shutter is believed.
+/// Share of the cost that is left where a rolling shutter is believed. On made scenes 0.98 and more is left where there is
+/// none, 0.8 where one turns by 0.002, and up to there the order of depths is as good without.
 const ROLLS: f64 = 0.8;
 /// How far off a focal length usually is: from EXIF, and where nothing says it.
 const FOCAL_OFF: [f64; 2] = [0.02, 0.15];
