@@ -11,8 +11,8 @@ use crate::values;
 /// Arguments of `burst`.
 #[derive(Debug, Args)]
 pub struct Burst {
-    /// Photos that a hand took of one subject, from places a little apart; folders, animations, and stereo pairs (MPO, or
-    /// both eyes beside each other in NAME_SBS)
+    /// Photos that a hand took of one subject, from places a little apart; folders, animations, and stereo pairs (MPO,
+    /// spatial HEIC, or both eyes beside each other in NAME_SBS)
     #[arg(required = true, value_name = "IMG")]
     pub photos: Vec<PathBuf>,
     /// Folder for the light field

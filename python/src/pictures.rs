@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use plenoscope::field::{Pixels, Transfer, ViewOffset};
 use plenoscope::io::save::{self, PictureOptions};
 use plenoscope::scene::asked::{self, Asked, EPI_SCALE, EPI_SCALES, LensAsked, Line, QUALITIES, Refocus, within};
-use plenoscope::scene::{Need, OutputSize, export};
+use plenoscope::scene::{OutputSize, export};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -102,7 +102,8 @@ pub fn view<'py>(
     let (du, dv) = options.get("at", "a pair (u, v)")?.unwrap_or_default();
     let input = Input::of(input, &options)?;
     let picture = run(py, progress(&options)?.as_ref(), |job| {
-        asked::view(&input.scene(&how, maker, Need::Views, job)?, ViewOffset { dv, du }, job)
+        let at = ViewOffset { dv, du };
+        asked::view(&input.scene(&how, maker, asked::view_need(at), job)?, at, job)
     })?;
     arrays::picture(py, &stored(&picture))
 }
@@ -121,7 +122,7 @@ pub fn epi<'py>(
     let scale = options.checked("scale", "a whole number", |n| within(n, &EPI_SCALES))?.unwrap_or(EPI_SCALE);
     let input = Input::of(input, &options)?;
     let picture = run(py, progress(&options)?.as_ref(), |job| {
-        asked::epi(&input.scene(&how, maker, Need::Views, job)?, line, scale)
+        asked::epi(&input.scene(&how, maker, asked::epi_need(line), job)?, line, scale)
     })?;
     arrays::picture(py, &stored(&picture))
 }

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::camera::{Focal, Pose};
 use super::start::{cost, place_by_point, turned, weight};
+use crate::job::{Cancel, Cancelled};
 
 /// Numbers of a pose: rotation, translation, turning.
 const OF_POSE: usize = 9;
@@ -73,7 +74,16 @@ impl Bundle {
     }
 
     /// The bundle of least cost from here; residuals beyond `usual_px` lose their say.
-    pub fn adjusted(mut self, tracks: &Tracks, usual_px: f64, freedom: Freedom) -> Self {
+    ///
+    /// # Errors
+    /// Stopped.
+    pub fn adjusted(
+        mut self,
+        tracks: &Tracks,
+        usual_px: f64,
+        freedom: Freedom,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         self.normalise();
         let first_focal = self.focal.0;
         let scale = (usual_px / FOUND_PX).powi(2);
@@ -83,6 +93,7 @@ impl Bundle {
             let normal = Normal::new(&self, tracks, usual_px, freedom, first_focal);
             let mut gained = None;
             for _ in 0..6 {
+                cancel.check()?;
                 let mut next = normal.step(&self, damping, freedom);
                 next.normalise();
                 let cost = total(&next);
@@ -98,7 +109,7 @@ impl Bundle {
                 break;
             }
         }
-        self
+        Ok(self)
     }
 
     /// The same with poses that fit the points as they are.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::BurstError;
 use super::camera::{Focal, Pose, pixel_of_place, place_of_pixel};
-use crate::field::{Raster, Size, View, ramp, sides};
+use crate::field::{Raster, Size, View, center_at, ramp, sides};
 use crate::job::{Cancel, Job, Stage};
 
 /// Half the side of the window in which both are compared.
@@ -72,14 +72,14 @@ impl<'a> Mean<'a> {
         let size = self.photo.size();
         let [w, h] = sides(size);
         let [rw, rh] = self.inverse_depth.sides();
+        let (rx, ry) = (rw as f32 / w as f32, rh as f32 / h as f32);
         let mut out = vec![None; w * h];
         out.par_chunks_exact_mut(w).enumerate().for_each(|(y, row)| {
             if cancel.is_cancelled() {
                 return;
             }
-            let across = |at: usize, from: usize, to: usize| (at as f32 + 0.5) * to as f32 / from as f32 - 0.5;
             for (x, out) in row.iter_mut().enumerate() {
-                let rho = self.inverse_depth.tap(across(x, w, rw), across(y, h, rh));
+                let rho = self.inverse_depth.tap(center_at(x, rx), center_at(y, ry));
                 let at = place_of_pixel(size, x as f64, y as f64);
                 let to = pixel_of_place(frame.size(), self.focal.seen(pose, at, rho.into()));
                 *out = cubic(frame, to);

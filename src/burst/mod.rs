@@ -84,7 +84,11 @@ pub fn solve(reference: &View, frames: &[View], f35_mm: Option<f32>, job: &Job) 
     job.check()?;
     let posed = pose::poses(&base, &pyramids, f35_mm, job)?;
     drop(pyramids);
+    // Of frames that are left out nobody asks.
     let gains = |(i, view): (usize, &View)| {
+        if posed.poses[i].is_none() {
+            return [1.0; 3];
+        }
         let pairs = posed.points.iter().zip(&posed.seen[i]).filter_map(|(point, seen)| Some((point.0, (*seen)?)));
         gain::gains(reference, view, pairs)
     };

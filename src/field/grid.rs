@@ -30,6 +30,28 @@ pub struct ViewOffset {
     pub du: f32,
 }
 
+/// The views of a rectangle of a grid, both ends among them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ViewBlock {
+    /// Its upper left view.
+    pub from: ViewIndex,
+    /// Its lower right view.
+    pub to: ViewIndex,
+}
+
+impl ViewBlock {
+    /// Whether a view is of it.
+    pub fn contains(self, at: ViewIndex) -> bool {
+        (self.from.v..=self.to.v).contains(&at.v) && (self.from.u..=self.to.u).contains(&at.u)
+    }
+}
+
+impl From<ViewIndex> for ViewBlock {
+    fn from(at: ViewIndex) -> Self {
+        Self { from: at, to: at }
+    }
+}
+
 impl ViewOffset {
     /// `(du, dv)` as a vector in picture axes (x right, y down).
     pub fn to_vec2(self) -> Vec2 {
@@ -116,6 +138,24 @@ impl ViewGrid {
         let zero = self.reference();
         let inside = self.clamp(offset);
         ViewIndex { v: (f32::from(zero.v) + inside.dv).round() as u8, u: (f32::from(zero.u) + inside.du).round() as u8 }
+    }
+
+    /// The views around an offset, four at most.
+    pub fn around(self, offset: ViewOffset) -> ViewBlock {
+        let (zero, inside) = (self.reference(), self.clamp(offset));
+        let [v, u] = [f32::from(zero.v) + inside.dv, f32::from(zero.u) + inside.du];
+        let at = |round: fn(f32) -> f32| ViewIndex { v: round(v) as u8, u: round(u) as u8 };
+        ViewBlock { from: at(f32::floor), to: at(f32::ceil) }
+    }
+
+    /// A row of views.
+    pub fn row(self, v: u8) -> ViewBlock {
+        ViewBlock { from: ViewIndex { v, u: 0 }, to: ViewIndex { v, u: self.cols - 1 } }
+    }
+
+    /// A column of views.
+    pub fn column(self, u: u8) -> ViewBlock {
+        ViewBlock { from: ViewIndex { v: 0, u }, to: ViewIndex { v: self.rows - 1, u } }
     }
 
     /// All views in `[v, u]` order.

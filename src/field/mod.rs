@@ -43,7 +43,7 @@ mod view;
 
 pub use disparity_map::{DisparityMap, RelativeDepth, disparity_scale};
 pub use glass::Glass;
-pub use grid::{ViewGrid, ViewIndex, ViewOffset};
+pub use grid::{ViewBlock, ViewGrid, ViewIndex, ViewOffset};
 pub use histogram::Histogram;
 pub use lens::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 pub use light_field::{EpiLine, LightField};
@@ -55,7 +55,7 @@ pub use provenance::{Provenance, Seen};
 pub use rank::{Moments, correlation, spearman};
 pub use raster::Raster;
 pub use ray_depths::RayDepths;
-pub use resample::{Filter, nearest, nearest_index, resample};
+pub use resample::{Filter, center_at, nearest, nearest_index, resample};
 pub(crate) use resample::{Taps, resample_rows};
 pub use size::{Size, fit_long_side, pixels, sides, size_from};
 pub use strength::Strength;

@@ -7,6 +7,12 @@ use rayon::prelude::*;
 
 use super::{Size, sides};
 
+/// Where the centre of a pixel lies in a picture of another size, which has `ratio` times as many pixels along this side.
+#[inline]
+pub fn center_at(pixel: usize, ratio: f32) -> f32 {
+    (pixel as f32 + 0.5) * ratio - 0.5
+}
+
 /// How a value is gathered from its neighbours. Shrinking widens the filter by the ratio of sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
@@ -61,7 +67,7 @@ impl Taps {
         let radius = filter.radius() * widen;
         let per_pixel = ((2.0 * radius).ceil() as usize + 1).min(source);
         for i in 0..target {
-            let center = (i as f32 + 0.5) * ratio - 0.5;
+            let center = center_at(i, ratio);
             let first = ((center - radius).ceil().max(0.0) as usize).min(source - per_pixel);
             let raw: Vec<f32> =
                 (first..first + per_pixel).map(|j| filter.weight((j as f32 - center) / widen)).collect();

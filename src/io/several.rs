@@ -1,5 +1,5 @@
-//! Files that hold several pictures of one subject: animations, motion-JPEG films, stereo pairs side by side, and MPO; and
-//! folders of photos.
+//! Files that hold several pictures of one subject: animations, motion-JPEG films, stereo pairs side by side, MPO,
+//! spatial photos; and folders of photos.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use std::sync::Arc;
 use image::AnimationDecoder;
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
 
+use super::formats::phone::heic;
 use super::open::{open_content, read_file};
 use super::raster::{self, Raster, Samples};
 use super::{OpenError, Opened, PhotoFile, Problem, avi, folder, formats, jpeg_parts};
@@ -77,7 +78,7 @@ fn read(path: &Path, job: &Job) -> Result<Vec<PhotoFile>, Problem> {
         return halves(&first);
     }
     let others = mpo(&bytes).into_iter().filter_map(|bytes| photo(bytes).ok()).collect::<Vec<_>>();
-    Ok(std::iter::once(first).chain(others).collect())
+    Ok(std::iter::once(first).chain(others).chain(heic::other_eye(&bytes)).collect())
 }
 
 fn is_side_by_side(path: &Path) -> bool {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::picture::{MadeBy, MadeViews, Scene};
 use super::{Content, DepthFrom, OnePhoto, Recipe, Recorded, SceneError, Subject, several};
 use crate::errors::sentence;
-use crate::field::{DisparityMap, RelativeDepth, Strength, fit_long_side};
+use crate::field::{DisparityMap, RelativeDepth, Strength, ViewBlock, fit_long_side};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::{EmbeddedDepth, exif};
 use crate::job::Job;
@@ -99,6 +99,18 @@ pub enum Need {
     Map,
     /// All views and the disparity of every ray.
     Views,
+    /// These views of the paper's grid: what is dear to make view by view makes no others, and blank views are in their place.
+    Some(ViewBlock),
+}
+
+impl Need {
+    /// Whether these views are needed.
+    pub(super) fn block(self) -> Option<ViewBlock> {
+        match self {
+            Self::Some(block) => Some(block),
+            Self::Map | Self::Views => None,
+        }
+    }
 }
 
 /// Makes scenes of subjects, and keeps its nets between them.
@@ -386,7 +398,7 @@ fn without_nets(
     let metric = params.phone.as_ref().filter(|_| is_measured).and_then(|p| p.metric_scale(&params.camera, None));
     let scene = match need {
         Need::Map => Scene::of_map(subject, map, made_by),
-        Need::Views => {
+        Need::Views | Need::Some(_) => {
             let made = synthesize_from_map(&one.photo, &map, params, job)?;
             Scene::of_views(subject, Some(map), made.into(), made_by)
         }

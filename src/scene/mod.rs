@@ -16,6 +16,8 @@
 
 pub mod asked;
 pub mod batch;
+#[cfg(test)]
+mod data_tests;
 pub mod disagree;
 pub mod dots;
 mod edit;

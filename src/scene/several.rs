@@ -192,7 +192,7 @@ impl Several {
         let is_out = |i: usize| solved.posed.poses[i].is_none();
         let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| self.frames[i].name.as_str()).collect();
         if !out.is_empty() {
-            job.sink.warning(format!("{} of the photos do not fit and are left out: {}", out.len(), out.join(", ")));
+            job.sink.warning(format!("Photos that do not fit are left out: {}", out.join(", ")));
         }
         Ok(Ok(Arc::new(solved)))
     }
@@ -380,7 +380,9 @@ mod tests {
         let settings = Settings { kind: Kind::Views, ..Settings::default() };
         export::write(&scene, &Edit::default(), &settings, &folder, &job).unwrap();
         let again = Subject::open(&folder, &job).unwrap();
-        assert_eq!(again.recorded().unwrap().provenance.as_deref(), Some(rays));
+        let read = again.recorded().unwrap();
+        assert_eq!(read.provenance.as_deref(), Some(rays));
+        assert!(read.shown.view(ViewIndex { v: 0, u: 7 }) == field.view(ViewIndex { v: 0, u: 7 }), "views are views");
         let again = maker.scene(&Arc::new(again), &how, Need::Views, &job).unwrap();
         let at = ViewIndex { v: 0, u: 0 };
         assert_eq!(again.trust().unwrap().of_view(at), scene.trust().unwrap().of_view(at));

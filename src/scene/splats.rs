@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::picture::{MadeBy, MadeViews, Scene};
 use super::{Edit, Making, Need, OutputSize, SceneError, Subject};
-use crate::field::{Picture, Strength, ViewGrid};
+use crate::field::{Picture, Size, Strength, ViewGrid};
 use crate::job::Job;
 use crate::splats::{Pictured, SplatError, Stage};
 use crate::synth::range::{FILM_M, Metric};
@@ -23,17 +23,26 @@ pub(super) fn scene(
     let (map, made_by) = (Arc::clone(&splats.map), MadeBy::named(GAUSSIANS));
     let scene = match need {
         Need::Map => Scene::of_map(subject, map, made_by),
-        Need::Views => {
-            let views = views(&splats.stage, how.view_size(subject), Strength::AS_MADE, job)?;
+        Need::Views | Need::Some(_) => {
+            let views = views(&splats.stage, (how.view_size(subject), need), Strength::AS_MADE, job)?;
             Scene::of_views(subject, Some(map), views, made_by)
         }
     };
     Ok(scene?.in_metres(metric(&splats.stage)))
 }
 
-/// The views of a strength.
-pub(super) fn views(stage: &Stage, size: [u32; 2], strength: Strength, job: &Job) -> Result<MadeViews, SceneError> {
-    let (field, depths) = stage.views(ViewGrid::PAPER, size, strength, job)?;
+/// The views of a size and a strength, as many as are needed.
+pub(super) fn views(
+    stage: &Stage,
+    (size, need): (Size, Need),
+    strength: Strength,
+    job: &Job,
+) -> Result<MadeViews, SceneError> {
+    let grid = ViewGrid::PAPER;
+    let (field, depths) = match need.block() {
+        Some(block) => stage.some_views(grid, block, (size, strength), job)?,
+        None => stage.views(grid, size, strength, job)?,
+    };
     Ok(MadeViews { field, depths, provenance: None })
 }
 

@@ -32,7 +32,7 @@ impl Scene {
         let scene = made.with_map_at(strength);
         let views = match (&made.subject().content, made.views()) {
             (Content::Views(_), Some(views)) => closer(views, strength, job)?,
-            (Content::Photo(one), _) if need == Need::Views => scene.of_photo(one, how, job)?,
+            (Content::Photo(one), _) if need != Need::Map => scene.of_photo(one, how, need, job)?,
             _ => return Ok(scene),
         };
         Ok(scene.with_views(views))
@@ -51,12 +51,12 @@ impl Scene {
         }
     }
 
-    fn of_photo(&self, one: &OnePhoto, how: &Making, job: &Job) -> Result<MadeViews, SceneError> {
+    fn of_photo(&self, one: &OnePhoto, how: &Making, need: Need, job: &Job) -> Result<MadeViews, SceneError> {
         let of_views = |views: &MadeViews| views.field.size().into_iter().max();
         let long_side = self.as_made().views().and_then(of_views).unwrap_or(how.long_side);
         if let Some(splats) = &one.splats {
             let size = fit_long_side(one.photo.size(), long_side.max(1));
-            return super::splats::views(&splats.stage, size, self.strength(), job);
+            return super::splats::views(&splats.stage, (size, need), self.strength(), job);
         }
         let params = SynthParams { long_side, threads: how.threads, ..SynthParams::default() };
         let made = synthesize_bared(&one.photo, self.map(), &params, job)?;

@@ -8,7 +8,7 @@ use super::fill::close_gaps;
 use super::raster::{Shot, Shown, draw};
 use super::{Blend, Cloud, Rig, SplatError};
 use crate::field::color::srgb8_from_linear;
-use crate::field::{DisparityMap, LightField, RayDepths, Size, Strength, View, ViewGrid};
+use crate::field::{DisparityMap, LightField, RayDepths, Size, Strength, View, ViewBlock, ViewGrid, ViewIndex};
 use crate::job::{Cancelled, Job, Stage as At};
 
 /// Who said where the camera stands.
@@ -44,6 +44,9 @@ pub struct Pictured {
     pub map: Arc<DisparityMap>,
 }
 
+/// Views, and the disparity of every ray.
+type Drawn = (Arc<LightField>, Arc<RayDepths>);
+
 /// One picture and its rays.
 #[derive(Clone, Debug)]
 pub(super) struct Taken {
@@ -72,33 +75,51 @@ impl Stage {
     ///
     /// # Errors
     /// Stopped, or disparities beyond all measure.
-    pub fn views(
-        &self,
-        grid: ViewGrid,
-        size: Size,
-        Strength(strength): Strength,
-        job: &Job,
-    ) -> Result<(Arc<LightField>, Arc<RayDepths>), SplatError> {
-        let rig = self.rig.resized(size).at_strength(strength);
-        let plane = crate::field::pixels(size);
-        let mut views = vec![None; grid.count()];
-        let mut disparity_px = vec![0.0; grid.count() * plane];
-        for (done, at) in grid.spiral().into_iter().enumerate() {
-            job.advance(At::Warp, done as u32, grid.count() as u32)?;
-            let taken = self.taken(&Shot::view(rig, grid.offset(at).to_vec2()), job)?;
-            let layer = grid.layer_from_view(at);
-            disparity_px[layer * plane..(layer + 1) * plane].copy_from_slice(&taken.disparity_px);
-            let view = View::new(size, taken.rgba).map(Arc::new)?;
-            views[layer] = Some(view);
-        }
-        job.advance(At::Warp, grid.count() as u32, grid.count() as u32)?;
-        let field = LightField::new(grid, views.into_iter().flatten().collect())?;
-        let depths = RayDepths::new(grid, size, disparity_px)?;
-        let (field, depths) = (Arc::new(field), Arc::new(depths));
+    pub fn views(&self, grid: ViewGrid, size: Size, strength: Strength, job: &Job) -> Result<Drawn, SplatError> {
+        let (field, depths) = self.drawn(grid, &grid.spiral(), (size, strength), job)?;
         // Listeners learn the grid from the ray depths: those come first.
         job.sink.depths(&depths);
         grid.views().for_each(|at| job.sink.view(at, field.view(at)));
         Ok((field, depths))
+    }
+
+    /// Some of these views, blank ones in the place of all others.
+    ///
+    /// # Errors
+    /// As [`Stage::views`].
+    pub fn some_views(
+        &self,
+        grid: ViewGrid,
+        block: ViewBlock,
+        how: (Size, Strength),
+        job: &Job,
+    ) -> Result<Drawn, SplatError> {
+        let wanted: Vec<ViewIndex> = grid.views().filter(|at| block.contains(*at)).collect();
+        self.drawn(grid, &wanted, how, job)
+    }
+
+    fn drawn(
+        &self,
+        grid: ViewGrid,
+        wanted: &[ViewIndex],
+        (size, Strength(strength)): (Size, Strength),
+        job: &Job,
+    ) -> Result<Drawn, SplatError> {
+        let rig = self.rig.resized(size).at_strength(strength);
+        let plane = crate::field::pixels(size);
+        let blank = Arc::new(View::new(size, vec![0; 4 * plane])?);
+        let mut views = vec![blank; grid.count()];
+        let mut disparity_px = vec![0.0; grid.count() * plane];
+        for (done, at) in wanted.iter().enumerate() {
+            job.advance(At::Warp, done as u32, wanted.len() as u32)?;
+            let taken = self.taken(&Shot::view(rig, grid.offset(*at).to_vec2()), job)?;
+            let layer = grid.layer_from_view(*at);
+            disparity_px[layer * plane..(layer + 1) * plane].copy_from_slice(&taken.disparity_px);
+            views[layer] = Arc::new(View::new(size, taken.rgba)?);
+        }
+        job.advance(At::Warp, wanted.len() as u32, wanted.len() as u32)?;
+        let (field, depths) = (LightField::new(grid, views)?, RayDepths::new(grid, size, disparity_px)?);
+        Ok((Arc::new(field), Arc::new(depths)))
     }
 
     /// What one eye sees, stored as a view is.

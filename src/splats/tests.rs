@@ -150,3 +150,18 @@ fn a_lens_gathers_what_many_eyes_on_it_see() {
     let same = closed.to_srgb8().iter().zip(&view.rgba).all(|(a, b)| a.abs_diff(*b) <= 1);
     assert!(same, "a lens without an opening is a view");
 }
+
+#[test]
+fn views_of_a_part_of_the_grid_are_those_of_the_whole() {
+    let (field, depths) = made_scene([60, 40], ViewGrid::PAPER);
+    let stage = with_job(|job| from_field(&field, &depths, None, job));
+    let (grid, how) = (ViewGrid::PAPER, ([60, 40], Strength::AS_MADE));
+    let (all, rays) = with_job(|job| stage.views(grid, how.0, how.1, job));
+    let block = grid.around(ViewOffset { dv: 1.5, du: -2.0 });
+    let (some, some_rays) = with_job(|job| stage.some_views(grid, block, how, job));
+    let made: Vec<_> = grid.views().filter(|at| some.view(*at).rgba().iter().any(|byte| *byte != 0)).collect();
+    assert_eq!(made, [ViewIndex { v: 5, u: 2 }, ViewIndex { v: 6, u: 2 }]);
+    for at in made {
+        assert!(some.view(at) == all.view(at) && some_rays.view(at) == rays.view(at), "{at:?}");
+    }
+}

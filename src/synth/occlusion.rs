@@ -12,7 +12,7 @@ use super::lambertian::{encode, fill_row, render_row};
 use super::net::Net;
 use super::picture::Signed;
 use super::{ModelError, ModelFile, SynthError};
-use crate::field::{RayDepths, Size, View, ViewGrid, bilinear, pixels, sides};
+use crate::field::{RayDepths, Size, View, ViewGrid, bilinear, center_at, pixels, sides};
 use crate::job::{Cancelled, Job, Progress, Stage};
 use crate::kernel::winograd::{Columns, Rows, VolumeChain};
 
@@ -212,12 +212,12 @@ impl Residuals {
         let (rx, ry) = (self.size[0] as f32 / w as f32, self.size[1] as f32 / h as f32);
         let mut rgba = vec![255; w * h * 4];
         for (y, (row, d)) in rgba.chunks_exact_mut(w * 4).zip(depths.view(at).chunks_exact(w)).enumerate() {
-            let sy = (y as f32 + 0.5) * ry - 0.5;
+            let sy = center_at(y, ry);
             let from = depths.grid().offset(at);
             render_row(photo, d, [0, y], from, |x, colour| {
                 let residual = match self.size == photo.size() {
                     true => self.at(layer, y * w + x),
-                    false => bilinear(sides(self.size), (x as f32 + 0.5) * rx - 0.5, sy, |i| self.at(layer, i)),
+                    false => bilinear(sides(self.size), center_at(x, rx), sy, |i| self.at(layer, i)),
                 };
                 let colour = far.colour(colour + residual, [x, y], from, d[x]);
                 row[x * 4..x * 4 + 3].copy_from_slice(&encode(colour));

@@ -25,6 +25,8 @@ use crate::synth::ModelTag;
 pub enum Event {
     /// A photo or a light field has been read; with the ray depths that it holds, and of a photo what can be shown at once.
     Opened(Box<Document>, Option<Rays>, Option<Arc<TileSet>>),
+    /// What was to be opened is a folder of photos: what they are for is asked.
+    Several(Vec<PathBuf>),
     /// The photo, ready for the screen.
     Tiles(Arc<TileSet>),
     /// A job went on a little.

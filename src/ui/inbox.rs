@@ -142,6 +142,10 @@ fn loaded(window: &mut Window, event: Event, ctx: &Context) {
             }
         }
         Event::Stopped => window.loading = Loading::Idle,
+        Event::Several(photos) => {
+            window.loading = Loading::Idle;
+            apply(window, Action::Show(Dialog::Many(photos)), ctx);
+        }
         Event::Opened(document, rays, preview) => {
             opened(window, *document, rays, ctx);
             window.photo = preview.map(Tiled::new);

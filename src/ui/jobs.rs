@@ -16,6 +16,7 @@ use super::words::t;
 use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::field::{Photo, RayDepths, View, ViewIndex};
+use crate::io::folder;
 use crate::job::{Cancel, Job, Progress, Sink};
 use crate::scene::{DepthFrom, Maker, Making, Need, SceneError, SeveralAsked, Subject};
 
@@ -80,15 +81,17 @@ pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Loa
         let sink = ToWindow { job, outbox };
         let task = Job { cancel, sink: &sink };
         let done = open(&load.from, job, &task, &ahead, outbox).and_then(|document| {
+            let Some(document) = document else { return Ok(None) };
             outbox.send(job, Event::Models(adding::listed(&load.making)));
             let made = make(&maker, &document.subject, &making_of(&load, &document), &task)?;
-            Ok((document, made))
+            Ok(Some((document, made)))
         });
         match done {
             _ if cancel.is_cancelled() => {
                 outbox.send(job, Event::Stopped);
             }
-            Ok((document, made)) => {
+            Ok(None) => {}
+            Ok(Some((document, made))) => {
                 outbox.send(job, Event::Made(Box::new(made)));
                 if remembers {
                     recents::keep(&document.subject);
@@ -117,12 +120,19 @@ fn make(maker: &Maker, subject: &Arc<Subject>, making: &Making, job: &Job) -> Re
     Made::of(scene).map_err(fail)
 }
 
-/// Reads a file and tells the window at once, with the picture ready for the screen.
-fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -> Result<Document, String> {
+/// The photos of a folder that was read as the first of them; none where it is one alone, or a light field.
+fn photos_of(from: &OpenFrom, document: &Document) -> Option<Vec<PathBuf>> {
+    let OpenFrom::File(path) = from else { return None };
+    let is_of_photos = path.is_dir() && document.subject.photo().is_some();
+    is_of_photos.then(|| folder::pictures(path).ok()).flatten().filter(|photos| photos.len() > 1)
+}
+
+/// Reads a file and tells the window at once, with the picture ready for the screen. None where a person is asked first.
+fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbox) -> Result<Option<Document>, String> {
     let started = Instant::now();
     let mut tiles = None;
     let document = match from {
-        OpenFrom::Again(document) => return Ok((**document).clone()),
+        OpenFrom::Again(document) => return Ok(Some((**document).clone())),
         OpenFrom::File(path) => match ahead.take(path) {
             Some(Ready { document, tiles: ready }) => {
                 tiles = Some(ready);
@@ -139,6 +149,10 @@ fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbo
         }
         OpenFrom::Sample => Subject::sample().map_err(|error| sentence(&error))?.into(),
     };
+    if let Some(photos) = photos_of(from, &document) {
+        outbox.send(job_id, Event::Several(photos));
+        return Ok(None);
+    }
     let photo = document.subject.photo().filter(|_| tiles.is_none());
     let preview = photo.and_then(|photo| TileSet::preview(photo.size(), photo.srgb8()).map(Arc::new));
     let rays = document.subject.recorded().and_then(|recorded| recorded.depths.clone()).map(Rays::new);
@@ -147,5 +161,5 @@ fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbo
     if let Some(photo) = photo {
         outbox.send(job_id, Event::Tiles(Arc::new(TileSet::new(photo.size(), photo.srgb8()))));
     }
-    Ok(document)
+    Ok(Some(document))
 }

@@ -72,4 +72,15 @@ fn photos_of_one_subject_that_are_dropped_together_are_one_light_field() {
     wait(&mut harness, "the light field", |app| !app.is_busy());
     steps(&mut harness, 2);
     assert!(harness.query_by_label("3 photos").is_some(), "the source of depth");
+    // A folder of photos asks the same.
+    drop_files(&mut harness, &[folder.path().to_owned()]);
+    steps(&mut harness, 1);
+    wait(&mut harness, "the question", |app| !app.is_busy());
+    steps(&mut harness, 2);
+    assert!(harness.query_by_label("3 files").is_some() && harness.query_by_label("One subject").is_some());
+    assert!(harness.query_by_label("3 photos").is_some(), "what was open stays");
+    // What was chosen the last time stands out: Enter takes it.
+    harness.key_press(egui::Key::Enter);
+    steps(&mut harness, 2);
+    assert!(harness.state().is_busy() && harness.query_by_label("One subject").is_none());
 }

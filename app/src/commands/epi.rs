@@ -2,7 +2,6 @@
 
 use anyhow::Result;
 use plenoscope::job::{Job, Stage};
-use plenoscope::scene::Need;
 use plenoscope::scene::asked::{self, Line};
 
 use super::input;
@@ -14,7 +13,7 @@ pub fn run(args: &Epi, job: &Job) -> Result<()> {
     let output = output(&args.output, &args.input, args.force);
     output.check()?;
     let line = Line::one_of(args.row, args.column)?;
-    let scene = input::scene(&args.input, &args.synth, &args.recipe, Need::Views, job)?;
+    let scene = input::scene(&args.input, &args.synth, &args.recipe, asked::epi_need(line), job)?;
     let slice = asked::epi(&scene, line, args.scale)?;
     job.advance(Stage::Save, 0, 1)?;
     picture(&output, &slice, None, 8)

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::file_types;
+use super::{file_types, views};
 use crate::field::ViewGrid;
 use crate::io::Problem;
 
@@ -20,6 +20,9 @@ pub(super) struct GridFiles {
     /// Whether they are the four at the corners of a larger grid, whose other views are not there.
     pub(super) corners: bool,
 }
+
+/// A grid of which less than one in so many places is filled is none.
+const MOSTLY: usize = 2;
 
 /// A name's pattern and the numbers in it.
 fn split_numbers(stem: &str) -> (String, Vec<u64>) {
@@ -65,7 +68,8 @@ fn families(folder: &Path) -> std::io::Result<BTreeMap<String, Family>> {
 /// The largest family of names that fills a grid; `None` where there is none. `grid` is what an index file says.
 pub(super) fn find(folder: &Path, grid: Option<ViewGrid>) -> Result<Option<GridFiles>, Problem> {
     let mut families: Vec<_> = families(folder)?.into_iter().collect();
-    families.sort_by_key(|(_, files)| std::cmp::Reverse(files.len()));
+    // What says where rays come from lies beside the views, under the same numbers.
+    families.sort_by_key(|(pattern, files)| (pattern == views::SEEN_PATTERN, std::cmp::Reverse(files.len())));
     let Some((pattern, files)) = families.into_iter().next() else { return Ok(None) };
     if files.len() < 2 {
         return Ok(None);
@@ -73,13 +77,14 @@ pub(super) fn find(folder: &Path, grid: Option<ViewGrid>) -> Result<Option<GridF
     let fields = files[0].0.len();
     let changing: Vec<usize> = (0..fields).filter(|&at| files.iter().any(|(n, _)| n[at] != files[0].0[at])).collect();
     match changing[..] {
-        [row, col] => two_numbers(files, [row, col], grid).map(Some),
+        [row, col] => two_numbers(files, [row, col], grid),
         [at] => running_number(&pattern, files, at, grid),
         _ => Ok(None),
     }
 }
 
-fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) -> Result<GridFiles, Problem> {
+/// Rows and columns; none where it is rather days and times, so that most places are empty.
+fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) -> Result<Option<GridFiles>, Problem> {
     let distinct = |at: usize| {
         let mut all: Vec<u64> = files.iter().map(|(numbers, _)| numbers[at]).collect();
         all.sort_unstable();
@@ -87,6 +92,9 @@ fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) ->
         all
     };
     let (mut rows, mut cols) = (distinct(row), distinct(col));
+    if grid.is_none() && MOSTLY * files.len() < rows.len() * cols.len() {
+        return Ok(None);
+    }
     let corners = files.len() == 4 && are_corners(&rows, &cols);
     if let Some(grid) = grid.filter(|g| !corners && (g.rows() != rows.len() || g.cols() != cols.len())) {
         // A whole row or column of files is missing: the index file says how many there should be.
@@ -102,7 +110,7 @@ fn two_numbers(files: Family, [row, col]: [usize; 2], grid: Option<ViewGrid>) ->
             ordered.push(by_place.get(&[r, c]).ok_or_else(missing)?.clone());
         }
     }
-    Ok(GridFiles { grid, files: ordered, running: false, corners })
+    Ok(Some(GridFiles { grid, files: ordered, running: false, corners }))
 }
 
 /// Two rows and two columns that lie equally far apart, with others between them.
@@ -200,8 +208,19 @@ mod tests {
     }
 
     #[test]
+    fn what_says_where_rays_come_from_is_no_view() {
+        let both = [names(|v, u| format!("seen_{v}_{u}.png"), 3, 3), names(|v, u| format!("view_{v}_{u}.png"), 3, 3)];
+        let dir = folder(&both.concat());
+        let found = find(dir.path(), None).unwrap().unwrap();
+        assert_eq!(found.files[5], dir.path().join("view_1_2.png"));
+    }
+
+    #[test]
     fn photos_of_a_camera_are_no_light_field() {
         let photos = ["IMG_0001.jpg", "IMG_0004.jpg", "IMG_0007.jpg"].map(String::from);
+        assert!(find(folder(&photos).path(), None).unwrap().is_none());
+        let days = ["20260101_120455", "20260101_120501", "20260103_090000", "20260103_090417", "20260104_171002"];
+        let photos = days.map(|at| format!("IMG_{at}.jpg"));
         assert!(find(folder(&photos).path(), None).unwrap().is_none());
     }
 }

@@ -247,7 +247,7 @@ fn named(name: u128, flags: u32, content: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::{DepthKind, Opened, open};
+    use crate::io::{DepthKind, Opened, open, several};
     use crate::job::Cancel;
 
     /// A ground of leaves, and a square before it that stands `shift` px farther to the left.
@@ -284,12 +284,18 @@ mod tests {
         assert!(at(310, 280) > at(80, 280), "the square is nearer: {} and {}", at(310, 280), at(80, 280));
         // Colours are kept at half the size: light says how good it is.
         let light = |p: &[u8]| 0.299 * f64::from(p[0]) + 0.587 * f64::from(p[1]) + 0.114 * f64::from(p[2]);
-        let (want, have) = (pictures[0].to_srgb8(), file.photo.srgb8());
-        let rows = want.chunks_exact(601 * 4).zip(have.chunks_exact(602 * 4));
-        let pixels = rows.flat_map(|(a, b)| a.chunks_exact(4).zip(b.chunks_exact(4)));
-        let squares = pixels.map(|(a, b)| (light(a) - light(b)).powi(2)).sum::<f64>();
-        let psnr = 10.0 * (255.0f64.powi(2) * 601.0 * 517.0 / squares).log10();
-        assert!(psnr > 33.0, "{psnr} dB");
+        let psnr = |want: &[u8], have: &[u8]| {
+            let rows = want.chunks_exact(601 * 4).zip(have.chunks_exact(602 * 4));
+            let pixels = rows.flat_map(|(a, b)| a.chunks_exact(4).zip(b.chunks_exact(4)));
+            let squares = pixels.map(|(a, b)| (light(a) - light(b)).powi(2)).sum::<f64>();
+            10.0 * (255.0f64.powi(2) * 601.0 * 517.0 / squares).log10()
+        };
+        let eyes = several::photos(&path, &job).unwrap();
+        assert!(eyes.len() == 2 && eyes[0].photo.srgb8() == file.photo.srgb8());
+        for (eye, picture) in eyes.iter().zip(&pictures) {
+            let psnr = psnr(&picture.to_srgb8(), eye.photo.srgb8());
+            assert!(psnr > 33.0, "{psnr} dB");
+        }
     }
 
     #[test]

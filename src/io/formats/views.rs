@@ -213,6 +213,9 @@ fn read_provenance(folder: &Path, field: &LightField) -> Option<Arc<Provenance>>
     Provenance::new(grid, field.size(), [first, rest.concat()].concat()).ok().map(Arc::new)
 }
 
+/// The names of [`seen_name`] without their numbers.
+pub(super) const SEEN_PATTERN: &str = "seen_#_#.png";
+
 /// The file that says where a view's rays come from.
 fn seen_name(at: ViewIndex) -> String {
     format!("seen_{}_{}.png", at.v, at.u)

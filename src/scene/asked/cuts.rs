@@ -77,9 +77,25 @@ fn transposed(picture: &Picture) -> Picture {
     Picture::from_fn([height, width], |x, y| picture.pixel(y, x))
 }
 
+/// What must be made for the view from a place of the lens.
+pub fn view_need(wanted: ViewOffset) -> Need {
+    Need::Some(ViewGrid::PAPER.around(wanted))
+}
+
+/// What must be made for an epipolar slice.
+pub fn epi_need(line: Line) -> Need {
+    let (grid, middle) = (ViewGrid::PAPER, ViewGrid::PAPER.reference());
+    Need::Some(match line {
+        Line::Row(_) => grid.row(middle.v),
+        Line::Column(_) => grid.column(middle.u),
+    })
+}
+
 /// What must be made for the map of a view; that of the reference view alone needs no others.
 pub fn depth_need(view: Option<[f32; 2]>) -> Need {
-    if view.is_some() { Need::Views } else { Need::Map }
+    let Some(at) = view else { return Need::Map };
+    // Which views a recorded light field has is not known here: no such view is an error later.
+    view_index(ViewGrid::PAPER, at).map_or(Need::Views, |at| Need::Some(at.into()))
 }
 
 /// The map of a view, row and column; that of the reference view as exact as it is known.
@@ -104,4 +120,21 @@ pub fn view_index(grid: ViewGrid, [v, u]: [f32; 2]) -> Result<ViewIndex, Usage> 
         return Err(Usage(format!("there is no view {v},{u} — views go from 0,0 to {rows},{cols} — name one of them")));
     }
     Ok(ViewIndex { v: v as u8, u: u as u8 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::aperture::nearest_views;
+
+    #[test]
+    fn all_views_that_an_eye_between_them_takes_are_made() {
+        let grid = ViewGrid::PAPER;
+        for (dv, du) in [(0.0, 0.0), (0.5, -1.0), (-3.999, 2.001), (-9.0, 9.0), (3.0, -4.0), (2.25, 0.75)] {
+            let wanted = ViewOffset { dv, du };
+            let Need::Some(block) = view_need(wanted) else { panic!("some views") };
+            let taps = nearest_views(grid, ViewPoint(grid.clamp(wanted)), |_| true);
+            assert!(taps.iter().all(|tap| block.contains(tap.view)), "{dv} {du}: {block:?}");
+        }
+    }
 }

@@ -8,7 +8,7 @@ mod output;
 mod refocus;
 mod values;
 
-pub use cuts::{Line, depth, depth_need, epi, view, view_index};
+pub use cuts::{Line, depth, depth_need, epi, epi_need, view, view_index, view_need};
 pub use how::How;
 pub use lens::{LensAsked, place};
 pub use output::{Output, check_is_photo, field_format, field_formats, field_target, make_folder};

@@ -87,6 +87,8 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                 }
                 actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
                 strength::show(open, edit, ui);
+                // As far from what follows as a section.
+                ui.add_space(4.0 * GRID);
                 actions.extend(source::source(open, &sources, ui));
                 actions.extend(source::light_field(open, ui));
                 if let Some(counted) = histogram {

@@ -20,9 +20,13 @@ pub fn show(files: &[PathBuf], settings: &mut Settings, ctx: &Context) -> Vec<Ac
     let colors = theme::palette(ctx);
     let mut actions = Vec::new();
     let Settings { drops_one_subject: is_one_subject, takes_mean, .. } = settings;
+    // Enter takes what stands out, unless the keyboard is on something else.
+    let is_free = ctx.memory(|memory| memory.focused().is_none());
+    let is_enter = is_free && ctx.input(|input| input.key_pressed(egui::Key::Enter));
+    let stands_out = *is_one_subject;
     let modal = widgets::modal(ctx, "many");
     let shown = modal.show(ctx, |ui| {
-        ui.set_width(420.0);
+        ui.set_width(460.0);
         ui.spacing_mut().item_spacing.y = 8.0;
         let title = t!("files-count", count = files.len());
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
@@ -32,6 +36,7 @@ pub fn show(files: &[PathBuf], settings: &mut Settings, ctx: &Context) -> Vec<Ac
             names.push(t!("and-more", count = files.len() - LISTED));
         }
         ui.label(RichText::new(names.join(", ")).color(colors.weak));
+        ui.label(t!("many-ask"));
         ui.checkbox(takes_mean, t!("take-mean")).on_hover_text(t!("take-mean-hint"));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let button = |ui: &mut Ui, text: &str, is_main: bool| match is_main {
@@ -39,13 +44,13 @@ pub fn show(files: &[PathBuf], settings: &mut Settings, ctx: &Context) -> Vec<Ac
                 false => widgets::button(ui, text),
             };
             let hint = t!("one-subject-hint");
-            if button(ui, t!("one-subject"), *is_one_subject).on_hover_text(hint).clicked() {
+            if button(ui, t!("one-subject"), stands_out).on_hover_text(hint).clicked() || (is_enter && stands_out) {
                 *is_one_subject = true;
                 actions.push(Action::CloseDialog);
                 let asked = SeveralAsked { denoise: *takes_mean, ..SeveralAsked::default() };
                 actions.push(Action::Open(OpenFrom::Several(files.to_vec(), asked)));
             }
-            if button(ui, t!("open-first"), !*is_one_subject).clicked() {
+            if button(ui, t!("open-first"), !stands_out).clicked() || (is_enter && !stands_out) {
                 *is_one_subject = false;
                 actions.push(Action::CloseDialog);
                 actions.extend(files.first().map(|first| Action::Open(OpenFrom::File(first.clone()))));

@@ -323,6 +323,7 @@ files-count = { $count ->
    *[other] { $count } Dateien
  }
 and-more = und { $count } weitere
+many-ask = Fotos eines Motivs, von leicht verschiedenen Stellen aufgenommen – oder jedes für sich?
 one-subject-hint = Freihändig von leicht verschiedenen Stellen aufgenommen: Die Tiefe wird gemessen, und was eines verdeckt, zeigt ein anderes
 one-subject = Ein Motiv
 take-mean = Weniger Rauschen: Mittel der Fotos
@@ -955,7 +956,7 @@ heard-left-out = { $why } — es bleibt weg
 heard-left-out-shape = { $name } bleibt weg — es hat andere Seitenverhältnisse als das erste Foto
 heard-left-out-lens = { $name } bleibt weg — es wurde mit anderem Objektiv oder Zoom aufgenommen als das erste Foto
 heard-left-out-than = { $name } bleibt weg — { $why } als das erste Foto
-heard-photos-left-out = { $number } der Fotos passen nicht und bleiben weg
+heard-photos-left-out = Fotos, die nicht passen, bleiben weg
 heard-one-usable = Nur ein Foto ist verwendbar, daher werden seine anderen Ansichten berechnet
 heard-no-photo-number = es gibt kein Foto { $wanted } — { $count } wurden angegeben — nennen Sie ein anderes
 

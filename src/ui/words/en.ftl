@@ -323,6 +323,7 @@ files-count = { $count ->
    *[other] { $count } files
  }
 and-more = and { $count } more
+many-ask = Photos of one subject, taken from places a little apart – or each for itself?
 one-subject-hint = A hand took them from places a little apart: depth is measured, and what one hides another shows
 one-subject = One subject
 take-mean = Less noise: the mean of the photos
@@ -955,7 +956,7 @@ heard-left-out = { $why } — it is left out
 heard-left-out-shape = { $name } is left out — it has another shape than the first photo
 heard-left-out-lens = { $name } is left out — it was taken with another lens or zoom than the first photo
 heard-left-out-than = { $name } is left out — { $why } than the first photo
-heard-photos-left-out = { $number } of the photos do not fit and are left out
+heard-photos-left-out = Photos that do not fit are left out
 heard-one-usable = There is only one photo that can be used, so its other views are made
 heard-no-photo-number = there is no photo { $wanted } — { $count } were given — name another as --reference
 

@@ -137,6 +137,29 @@ fn bits(file: &HeifFile, id: ItemId) -> u8 {
     own(id).or_else(|| own(*file.referenced_items(id, b"dimg").first()?)).unwrap_or(16)
 }
 
+/// What the other eye of a spatial photo sees; none where there is none, or it is damaged.
+pub(crate) fn other_eye(bytes: &[u8]) -> Option<PhotoFile> {
+    let file = is_heic(bytes).then(|| HeifFile::parse(bytes).ok()).flatten()?;
+    let id = spatial::stereo_pair(bytes)?.into_iter().find(|eye| *eye != file.primary_id)?;
+    let image = decode_item(&file, bytes, id).ok()?;
+    let widen = |value: u16| (f32::from(value) / image.white * 65_535.0 + 0.5) as u16;
+    let samples = Samples::Sixteen(image.pixels.iter().map(|px| px.map(widen)).collect());
+    let metadata = heifer::item_metadata(&file, id).unwrap_or_default();
+    let icc = metadata.icc_profile.or_else(|| Cicp::of(&file, id)?.profile());
+    let (size, orientation) = (image.size, missing_turn(&file, id));
+    let raster = Raster {
+        size,
+        samples,
+        has_alpha: false,
+        icc,
+        exif: metadata.exif,
+        xmp: None,
+        orientation,
+        warnings: Vec::new(),
+    };
+    PhotoFile::from_raster(raster, FORMAT).ok()
+}
+
 /// The auxiliary depth picture, wherever it hangs.
 pub(crate) fn read_depth(file: &HeifFile, bytes: &[u8]) -> Option<Result<EmbeddedDepth, String>> {
     let is_depth = |id| {
@@ -155,8 +178,12 @@ fn decode_depth(file: &HeifFile, bytes: &[u8], id: ItemId) -> Result<EmbeddedDep
     let packet = file.xmp(id).ok().flatten().unwrap_or_default();
     let xmp = Xmp::parse(&packet).unwrap_or_default();
     let depth = Scale::from_xmp(&xmp).apply(map);
-    // A map without turns of its own lies as the photo does before its turns.
+    Ok(depth.oriented(missing_turn(file, id))?)
+}
+
+/// What a picture beside the main one is still to be turned by: one without turns of its own lies as the photo does before
+/// its turns.
+fn missing_turn(file: &HeifFile, id: ItemId) -> u8 {
     let [photo, own] = [turn(file, file.primary_id), turn(file, id)];
-    let missing = if own == 1 { photo } else { 1 };
-    Ok(depth.oriented(missing)?)
+    if own == 1 { photo } else { 1 }
 }
