@@ -83,7 +83,7 @@ fn export_command() -> Command {
                 .value_parser(export::gain)
                 .default_value("1"),
         )
-        .arg(arg!(--half "Keep the weights in 16 bits: half the file, ray depths off by some thousandths of a pixel"))
+        .arg(arg!(--half "Keep the weights in 16 bits: half the file, ray depths off by less than a thousandth of a pixel"))
         .arg(
             arg!(--checkpoint <FILE> "Also save a small checkpoint, without moments, to start from")
                 .required(false)

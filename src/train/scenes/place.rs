@@ -108,11 +108,17 @@ impl Place {
     /// for the turned picture.
     pub fn turned(mut self, [w, h]: [usize; 2], turns: usize) -> Self {
         let end = [w, h].map(|side| side as f32 - 1.0);
-        let (turn, shift): (fn([f32; 2]) -> [f32; 2], [f32; 2]) = match turns % 4 {
-            0 => return self,
-            1 => (|[x, y]| [-y, x], [end[0], 0.0]),
-            2 => (|[x, y]| [-x, -y], end),
-            _ => (|[x, y]| [y, -x], [0.0, end[1]]),
+        let turn = |[x, y]: [f32; 2]| match turns % 4 {
+            0 => [x, y],
+            1 => [-y, x],
+            2 => [-x, -y],
+            _ => [y, -x],
+        };
+        let shift = match turns % 4 {
+            0 => [0.0; 2],
+            1 => [end[0], 0.0],
+            2 => end,
+            _ => [0.0, end[1]],
         };
         self.axes = self.axes.map(turn);
         let origin = turn(self.origin);
