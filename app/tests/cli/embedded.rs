@@ -178,7 +178,7 @@ fn what_a_stranger_wrote_is_one_sentence_and_reads_nothing_else() {
             "out of range",
         ),
         ("a later version", "plenoscope:Version=\"", "9".into(), "later version"),
-        ("no XML", "Recipe=\"", "\" == \"".into(), "its XMP"),
+        ("no XML", "Recipe=\"", "\"/></nothing><x a=\"".into(), "its XMP is not XML"),
     ];
     for (what, from, new, why) in cases {
         let picture = inside.join("picture.png");
