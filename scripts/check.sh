@@ -85,7 +85,8 @@ check "no more crates than the budget" crate_budget
 if [ "${1:-}" != "--fast" ]; then
     # The features of `cargo xtask test`, so that what is compiled here is compiled once.
     check "clippy" cargo clippy --quiet --workspace --all-targets --features plenoscope/onnxruntime -- -D warnings
-    check "documentation" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --workspace --no-deps --document-private-items
+    # One after the other: library and program share a name, and so the folder of their pages.
+    check "documentation" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --jobs 1 --workspace --no-deps --document-private-items
     command -v typos >/dev/null && check "typos" typos
     if ! cargo deny --version >/dev/null 2>&1; then
         check "licences, bans and sources of this system's dependencies" dependencies
