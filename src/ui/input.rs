@@ -50,9 +50,12 @@ fn keys(ctx: &Context, mut has_sheet: bool) -> Vec<Action> {
         if has_menu && command == Command::Stop {
             continue;
         }
-        if keys.is_some_and(|keys| ctx.input_mut(|input| input.consume_shortcut(&keys))) {
+        let times =
+            keys.map_or(0, |keys| ctx.input_mut(|input| input.count_and_consume_key(keys.modifiers, keys.logical_key)));
+        if times > 0 {
             if !(has_sheet && matches!(command, Command::Stop | Command::Shortcuts)) {
-                actions.push(Action::Do(command));
+                let times = if is_step(command) { times } else { 1 };
+                actions.extend(std::iter::repeat_n(command, times).map(Action::Do));
             }
             if std::mem::take(&mut has_sheet) {
                 actions.insert(0, Action::CloseDialog);
@@ -60,6 +63,15 @@ fn keys(ctx: &Context, mut has_sheet: bool) -> Vec<Action> {
         }
     }
     actions
+}
+
+/// Whether each press counts, however many come between two pictures of the window.
+fn is_step(command: Command) -> bool {
+    use Command::{
+        Earlier, Farther, Later, Nearer, Redo, StepDown, StepLeft, StepRight, StepUp, Undo, ZoomIn, ZoomOut,
+    };
+    let view = matches!(command, StepLeft | StepRight | StepUp | StepDown | ZoomIn | ZoomOut);
+    view || matches!(command, Undo | Redo | Nearer | Farther | Earlier | Later)
 }
 
 /// One file is opened; a PFM over a photo is its depth; of several files a person says what they are for.
@@ -97,5 +109,33 @@ fn clipboard(event: Event) -> Option<Action> {
             Some(Action::Open(OpenFrom::pasted(image.size.map(|side| side as u32), rgba)))
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Key, Modifiers, RawInput};
+
+    use super::*;
+
+    #[test]
+    fn every_press_of_a_step_counts_and_a_switch_turns_once() {
+        let press = |key, modifiers| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        let undo = Command::Undo.spec().shortcut.unwrap();
+        let trust = Command::Trust.spec().shortcut.unwrap();
+        let events = vec![
+            press(undo.logical_key, undo.modifiers),
+            press(undo.logical_key, undo.modifiers),
+            press(undo.logical_key, undo.modifiers),
+            press(trust.logical_key, trust.modifiers),
+            press(trust.logical_key, trust.modifiers),
+            press(Key::F35, Modifiers::NONE),
+        ];
+        let (ctx, mut done) = (Context::default(), Vec::new());
+        let mut shown = ctx.run_ui(RawInput { events, ..RawInput::default() }, |ui| done = keys(ui.ctx(), false));
+        shown.textures_delta.clear();
+        let count =
+            |wanted| done.iter().filter(|action| matches!(action, Action::Do(command) if *command == wanted)).count();
+        assert_eq!((count(Command::Undo), count(Command::Trust), done.len()), (3, 1, 4));
     }
 }
