@@ -8,7 +8,8 @@ use crate::io::formats::layout;
 use crate::job::{Cancel, Job};
 use crate::synth::sweep;
 
-fn data() -> Option<PathBuf> {
+/// Where they lie.
+pub(crate) fn data() -> Option<PathBuf> {
     let folder = std::env::var_os("PLENOSCOPE_DATA").map(PathBuf::from);
     if folder.is_none() {
         // A skipped test says so.

@@ -13,7 +13,7 @@ pub mod apart;
 mod avi;
 pub mod carried;
 #[cfg(test)]
-mod data_tests;
+pub(crate) mod data_tests;
 mod error;
 pub mod exif;
 mod file_type;

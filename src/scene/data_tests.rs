@@ -6,20 +6,12 @@ use std::sync::Arc;
 use super::Subject;
 use crate::burst::{self, Step, made::fit};
 use crate::field::{DisparityMap, LightField, Photo, View, ViewGrid, ViewIndex};
+use crate::io::data_tests::data;
 use crate::job::{Cancel, Job};
 use crate::synth::{SynthParams, reference_view, sweep, synthesize_bared};
 
 /// Views as a hand may have seen them.
 const PATH: [[u8; 2]; 5] = [[1, 2], [2, 6], [5, 7], [6, 1], [7, 5]];
-
-fn data() -> Option<PathBuf> {
-    let folder = std::env::var_os("PLENOSCOPE_DATA").map(|data| PathBuf::from(data).join("lightfields"));
-    if folder.is_none() {
-        // A skipped test says so.
-        std::io::Write::write_all(&mut std::io::stderr(), b"skipped: PLENOSCOPE_DATA is not set\n").unwrap();
-    }
-    folder
-}
 
 /// Mean difference of the views that the burst was not given, 0 … 1.
 fn apart(made: &LightField, truth: &LightField) -> f64 {
@@ -66,7 +58,7 @@ fn errors(folder: PathBuf) -> [f64; 2] {
 fn six_views_of_a_light_field_tell_nearly_as_much_as_all_with_their_positions() {
     let Some(data) = data() else { return };
     for name in ["dino_illum", "knights_256"] {
-        let [burst, swept] = errors(data.join(name));
+        let [burst, swept] = errors(data.join("lightfields").join(name));
         assert!(burst < 1.3 * swept, "{name}: {burst} and {swept}");
     }
 }
@@ -76,7 +68,7 @@ fn six_views_of_a_light_field_tell_nearly_as_much_as_all_with_their_positions() 
 fn six_views_of_flowers_do_too() {
     let Some(data) = data() else { return };
     for name in ["daisies_illum", "leaves_f01"] {
-        let [burst, swept] = errors(data.join(name));
+        let [burst, swept] = errors(data.join("lightfields").join(name));
         assert!(burst < 1.3 * swept, "{name}: {burst} and {swept}");
     }
 }

@@ -111,7 +111,7 @@ pub enum TrainError {
         /// Samples of the step.
         batch: usize,
     },
-    /// The data engine gave up.
+    /// Data that cannot be had, or worked with.
     #[error("{why}")]
     Data {
         /// What it said.

@@ -52,6 +52,7 @@ film.onseeked = () => say(`${film.videoWidth} wide, ${Math.round(film.duration *
 </script>"#;
 /// A decoder on a busy machine takes its time; nothing waits so long where it works.
 const PATIENCE: Duration = Duration::from_secs(60);
+const SILENCE: Duration = Duration::from_secs(2);
 
 /// What the browser tells of a film in the folder, in the line of its request.
 ///
@@ -72,8 +73,10 @@ fn told(browser: &str, dir: &Scratch, film: &str) -> String {
     while line.is_empty() && begin.elapsed() < PATIENCE {
         thread::sleep(Duration::from_millis(50));
         if let Ok((stream, _)) = port.accept() {
+            // A browser may open a connection ahead, on which it says nothing.
             stream.set_nonblocking(false).unwrap();
-            BufReader::new(stream).read_line(&mut line).unwrap();
+            stream.set_read_timeout(Some(SILENCE)).unwrap();
+            let _ = BufReader::new(stream).read_line(&mut line);
         }
     }
     browser.kill().unwrap();

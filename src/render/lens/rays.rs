@@ -4,6 +4,8 @@
 //! 4×4 … 16×16 neighbours with about the same blur and no light among them that outshines the others become one ray on
 //! a grid that much coarser: wide blurs cost less, not more. Blocks lie on a grid of the whole picture, so tiles agree.
 
+use std::ops::Range;
+
 use super::kernel::index_of;
 
 /// Levels of coarseness: cells of 1, 2, 4, 8 and 16 pixels.
@@ -98,6 +100,11 @@ impl Slices {
     pub(super) fn begin(&mut self, at: [i32; 2], size: [i32; 2], finest: f32) {
         self.rays.iter_mut().flatten().for_each(Vec::clear);
         (self.at, self.size, self.finest) = (at, size, finest);
+    }
+
+    /// Those of these slices that have any light, the near ones first.
+    pub(super) fn lit(&self, slices: Range<usize>) -> impl Iterator<Item = &[Vec<Ray>; LEVELS]> {
+        self.rays[slices].iter().rev().filter(|lists| lists.iter().any(|rays| !rays.is_empty()))
     }
 
     /// Sends light that stays in its pixel, in or around the tile.

@@ -5,7 +5,7 @@
 //! Pixels that are neighbours on one surface divide the coverage between them, so slices of one slanted surface add up
 //! to 1 as they should, where multiplying coverages would let the background through.
 
-use std::slice::SliceIndex;
+use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
 use super::Prepared;
@@ -13,7 +13,7 @@ use super::behind::Hidden;
 use super::bounds::reaches;
 use super::kernel::Kernels;
 use super::pixel::{Reader, Row};
-use super::rays::{BLOCK, LEVELS, NEARLY_SHARP, Piece, Ray, SHARP_PX, Slices, slice_of};
+use super::rays::{BLOCK, NEARLY_SHARP, Piece, SHARP_PX, Slices, slice_of};
 use super::spread::{Spread, close};
 use super::surfaces::{MIXTURE, Seen};
 use crate::field::{Lens, pixels, ramp, sides};
@@ -97,13 +97,14 @@ impl Bench {
         self.front.resize(pixels(region.size), [0.0, 0.0, 0.0, 1.0]);
         self.spread.begin(region);
         let [first, end] = NEARLY_SHARP;
-        self.put(end.., optics);
-        self.open.clear();
-        self.open.extend(self.front.iter().map(|pixel| pixel[3]));
-        if self.put(first..end, optics) {
+        self.put(end..self.slices.rays.len(), optics);
+        if self.slices.lit(first..end).next().is_some() {
+            self.open.clear();
+            self.open.extend(self.front.iter().map(|pixel| pixel[3]));
+            self.put(first..end, optics);
             self.front.iter_mut().zip(&self.open).for_each(|(pixel, open)| close(pixel, *open));
         }
-        self.put(..first, optics);
+        self.put(0..first, optics);
         self.light.clear();
         self.light.extend(self.front.iter().flat_map(|[r, g, b, left]| {
             let covered = 1.0 - left;
@@ -112,15 +113,11 @@ impl Bench {
         }));
     }
 
-    /// Puts slices behind what is there, the near ones first; false where none of them has any light.
-    fn put(
-        &mut self,
-        slices: impl SliceIndex<[[Vec<Ray>; LEVELS]], Output = [[Vec<Ray>; LEVELS]]>,
-        optics: &Optics,
-    ) -> bool {
-        let lit = |lists: &&[Vec<_>; LEVELS]| lists.iter().any(|rays| !rays.is_empty());
-        let lit = self.slices.rays[slices].iter().rev().filter(lit);
-        lit.map(|rays| self.spread.put_behind(rays, optics, &mut self.front)).count() > 0
+    /// Puts slices behind what is there.
+    fn put(&mut self, slices: Range<usize>, optics: &Optics) {
+        for rays in self.slices.lit(slices) {
+            self.spread.put_behind(rays, optics, &mut self.front);
+        }
     }
 
     /// All light that reaches a region, block by block of the picture's grid.

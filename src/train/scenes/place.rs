@@ -106,23 +106,15 @@ impl Place {
 
     /// The same place of a picture of this size that is shown after so many quarter turns to the left: `self` was made
     /// for the turned picture.
-    pub fn turned(mut self, [w, h]: [usize; 2], turns: usize) -> Self {
-        let end = [w, h].map(|side| side as f32 - 1.0);
-        let turn = |[x, y]: [f32; 2]| match turns % 4 {
-            0 => [x, y],
-            1 => [-y, x],
-            2 => [-x, -y],
-            _ => [y, -x],
-        };
-        let shift = match turns % 4 {
-            0 => [0.0; 2],
-            1 => [end[0], 0.0],
-            2 => end,
-            _ => [0.0, end[1]],
-        };
-        self.axes = self.axes.map(turn);
-        let origin = turn(self.origin);
-        self.origin = [0, 1].map(|i| origin[i] + shift[i]);
+    pub fn turned(mut self, size: [usize; 2], turns: usize) -> Self {
+        // A picture's right end is the top of it turned to the left.
+        let back = |[x, y]: [f32; 2]| [-y, x];
+        for turn in (0..turns).rev() {
+            let end = turned_size(size, turn)[0] as f32 - 1.0;
+            self.axes = self.axes.map(back);
+            let [x, y] = back(self.origin);
+            self.origin = [x + end, y];
+        }
         self
     }
 
