@@ -67,7 +67,7 @@ no_machine_paths() {
 
 check "formatting" cargo fmt --all --check
 check "tract only in synth/tract and the trainer's export" only_in '\btract(_onnx|_core|_linalg|_data|_hir)\b' 'src/synth/tract*' 'src/train/export*' 'src/train/*/export*'
-check "wgpu only in render/gpu, render/lens/gpu and ui" only_in '\bwgpu::' src/render/gpu 'src/render/lens/gpu*' src/ui
+check "wgpu only in render/gpu, render/lens/gpu, splats/gpu and ui" only_in '\bwgpu::' src/render/gpu 'src/render/lens/gpu*' 'src/splats/gpu*' src/ui
 check "egui only in ui and render/gpu/present" only_in '\b(egui|eframe|egui_wgpu)::' src/ui 'src/render/gpu/present*'
 check "Fluent only in the window's words" only_in '\bfluent_(bundle|syntax)::' src/ui/words
 check "pyo3 only in the Python package" only_in '\bpyo3::' python

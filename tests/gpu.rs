@@ -9,15 +9,17 @@ mod common;
 use std::sync::Arc;
 
 use common::{Approx, two_planes};
+use glam::{EulerRot, Quat, Vec3};
 use plenoscope::field::color::{srgb_from_linear, srgb8_from_linear};
 use plenoscope::field::{
-    DisparityMap, EpiLine, FNumber, FocalPlane, Lens, LensShape, Opening, Photo, ViewGrid, ViewIndex, ViewOffset,
-    ViewPoint,
+    DisparityMap, EpiLine, FNumber, FocalPlane, Lens, LensShape, Opening, Photo, Strength, ViewGrid, ViewIndex,
+    ViewOffset, ViewPoint,
 };
 use plenoscope::job::{Cancel, Job};
 use plenoscope::render::gpu::{Draw, FieldTexture, Gpu, Target};
 use plenoscope::render::lens::{LensGpu, Prepared, Region, Rgbd};
 use plenoscope::render::{Picture, cpu};
+use plenoscope::splats::{Blend, Camera, Cloud, Gaussian, NamedCamera, Processor, Rig, SplatGpu, Stage, harmonics};
 
 const SIZE: [u32; 2] = [45, 31];
 
@@ -179,4 +181,57 @@ fn r9_the_lens_renderer_is_the_same_on_the_device() {
     }
     let cat_eye = Lens { shape: LensShape::CatEye { strength: 1.0 }, ..Lens::default() };
     assert!(lens_gpu.render(&prepared, &cat_eye, whole, &job).expect("not stopped").is_none());
+}
+
+/// A thousand Gaussians of all shapes, colours and opacities, with gaps between them.
+fn thicket(size: [u32; 2]) -> Stage {
+    let mut cloud = Cloud::with_room(0, 1000, Blend::Encoded);
+    // Evenly over the unit cubes (Roberts's sequence), the same on every machine.
+    let even = |i: u32, step: f32| (0.5 + step * i as f32).fract();
+    for i in 0..1000 {
+        let [x, y, z, t] = [0.8192, 0.6711, 0.5498, 0.4504].map(|step| even(i, step));
+        let center = Vec3::new(2.4 * (x - 0.5), 2.4 * (y - 0.5), 1.0 + 3.0 * z);
+        let scale = Vec3::new(0.02 + 0.08 * t, 0.02 + 0.05 * x, 0.01 + 0.04 * y);
+        let rotation = Quat::from_euler(EulerRot::XYZ, 6.0 * x, 6.0 * y, 6.0 * t);
+        let opacity = 0.1 + 0.9 * even(i, 0.3247);
+        cloud.push(Gaussian { center, scale, rotation, opacity }, &[harmonics::constant([x, t, z])]);
+    }
+    let rig = Rig { camera: Camera::at_origin(90.0, size), step: 0.02, zero: 0.5, near: 0.1 };
+    Stage { cloud, rig, named: NamedCamera::File, ends: [0.25, 1.0], in_metres: false }
+}
+
+#[test]
+fn splats_are_the_same_on_the_device() {
+    let Some(gpu) = gpu(256) else { return };
+    // No multiple of a tile's side.
+    let size = [101, 75];
+    let stage = thicket(size);
+    let device = SplatGpu::new(gpu.device(), gpu.queue());
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    let from = ViewPoint(ViewOffset { dv: 0.5, du: -1.0 });
+    for (f, highlights) in [(28.0, 0.0), (2.8, 0.0), (1.4, 1.0)] {
+        let lens = Lens { f_number: FNumber(f), highlights, ..Lens::default() };
+        let how = (size, Strength::AS_MADE);
+        let want = stage.through_lens(&lens, from, how, &Processor, &job).expect("not stopped");
+        let got = stage.through_lens(&lens, from, how, &device, &job).expect("not stopped");
+        let pairs = got.rgb_linear.iter().zip(&want.rgb_linear);
+        let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let light = want.rgb_linear.iter().sum::<f32>() / want.rgb_linear.len() as f32;
+        assert!(light > 0.05, "there is something to see: {light}");
+        assert!(worst <= 1e-3, "f/{f}: {worst}");
+    }
+}
+
+#[test]
+fn splats_show_the_same_rays_on_the_device() {
+    let Some(gpu) = gpu(256) else { return };
+    let stage = thicket([101, 75]);
+    let device = SplatGpu::new(gpu.device(), gpu.queue());
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    let view = ViewOffset { dv: 0.0, du: 2.0 };
+    let want = stage.view(view, &Processor, &job).expect("not stopped");
+    let got = stage.view(view, &device, &job).expect("not stopped");
+    let apart = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(apart(&got.cover, &want.cover) <= 1e-3 && apart(&got.nearness, &want.nearness) <= 1e-3);
+    assert!(want.cover.iter().any(|cover| *cover < 0.5), "there are gaps");
 }

@@ -15,6 +15,7 @@ use crate::job::Job;
 use crate::render::cpu;
 use crate::render::lens::{self, Rgbd, Space};
 use crate::repair::Repairs;
+use crate::splats::Processor;
 use crate::synth::range::Metric;
 use crate::synth::{ModelTag, Synthesis};
 
@@ -342,7 +343,7 @@ impl Scene {
             let sum = self.sum_of_views(edit)?;
             return Ok(Pixels::from_linear(sum.size, &sum.rgb_linear, bits, &self.origin(size).transfer));
         }
-        if let Some(picture) = self.through_true_lens(edit, size, job)? {
+        if let Some(picture) = self.through_true_lens(edit, size, &Processor, job)? {
             return Ok(Pixels::from_linear(picture.size, &picture.rgb_linear, bits, &self.origin(size).transfer));
         }
         let space = if size == OutputSize::LightField { Space::Srgb } else { Space::Own };
@@ -355,7 +356,7 @@ impl Scene {
         if self.sums_views(edit, size) {
             return self.sum_of_views(edit);
         }
-        if let Some(picture) = self.through_true_lens(edit, size, job)? {
+        if let Some(picture) = self.through_true_lens(edit, size, &Processor, job)? {
             return Ok(picture);
         }
         let (rgbd, size) = self.seen(edit, size, Space::Srgb, job)?;

@@ -6,7 +6,7 @@ use super::picture::{MadeBy, MadeViews, Scene};
 use super::{Edit, Making, Need, OutputSize, SceneError, Subject};
 use crate::field::{Picture, Size, Strength, ViewGrid};
 use crate::job::Job;
-use crate::splats::{Pictured, SplatError, Stage};
+use crate::splats::{Painter, Pictured, SplatError, Stage};
 use crate::synth::range::{FILM_M, Metric};
 
 /// What people read as the source of depth.
@@ -68,13 +68,19 @@ impl Scene {
     ///
     /// # Errors
     /// Stopped.
-    pub fn through_true_lens(&self, edit: &Edit, size: OutputSize, job: &Job) -> Result<Option<Picture>, SceneError> {
+    pub fn through_true_lens(
+        &self,
+        edit: &Edit,
+        size: OutputSize,
+        painter: &dyn Painter,
+        job: &Job,
+    ) -> Result<Option<Picture>, SceneError> {
         let Some(splats) = self.subject().splats().filter(|_| self.repairs().is_empty()) else { return Ok(None) };
         if size == OutputSize::LightField {
             return Ok(None);
         }
         let size = self.picture_size(size);
         let lens = self.lens_at(edit, size[0]);
-        Ok(Some(splats.stage.through_lens(&lens, edit.viewpoint, size, self.strength(), job)?))
+        Ok(Some(splats.stage.through_lens(&lens, edit.viewpoint, (size, self.strength()), painter, job)?))
     }
 }

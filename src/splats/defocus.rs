@@ -7,7 +7,8 @@
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::raster::Shot;
+use super::raster::Painter;
+use super::shot::Shot;
 use super::{Blend, Stage};
 use crate::field::color::linear_from_srgb;
 use crate::field::{Lens, LensShape, Picture, Size, Strength, ViewPoint};
@@ -34,13 +35,13 @@ impl Stage {
         &self,
         lens: &Lens,
         from: ViewPoint,
-        size: Size,
-        strength: Strength,
+        (size, strength): (Size, Strength),
+        painter: &dyn Painter,
         job: &Job,
     ) -> Result<Picture, Cancelled> {
-        let mut picture = self.one_colour_through(lens, from, size, strength, job)?;
+        let mut picture = self.one_colour_through(lens, from, (size, strength), painter, job)?;
         if let Some(magenta) = lens.magenta() {
-            let other = self.one_colour_through(&magenta, from, size, strength, job)?;
+            let other = self.one_colour_through(&magenta, from, (size, strength), painter, job)?;
             let pixels = picture.rgb_linear.chunks_exact_mut(3).zip(other.rgb_linear.chunks_exact(3));
             pixels.for_each(|(pixel, other)| (pixel[0], pixel[2]) = (other[0], other[2]));
         }
@@ -51,8 +52,8 @@ impl Stage {
         &self,
         lens: &Lens,
         from: ViewPoint,
-        size: Size,
-        Strength(strength): Strength,
+        (size, Strength(strength)): (Size, Strength),
+        painter: &dyn Painter,
         job: &Job,
     ) -> Result<Picture, Cancelled> {
         let rig = self.rig.resized(size).at_strength(strength);
@@ -68,7 +69,7 @@ impl Stage {
             job.advance(At::Refocus, done as u32, eyes.len() as u32)?;
             let eye = from.0.to_vec2() + *place * narrow;
             let shot = Shot::through(rig, eye, from.0.to_vec2(), lens, PART * area.sqrt(), place.length_squared());
-            let shown = self.shown(&shot, job)?;
+            let shown = self.shown(&shot, painter, job)?;
             let light = Light::of(self.cloud.blend);
             let barrel = Barrel::of(lens, size);
             sum.par_chunks_mut(size[0] as usize).enumerate().for_each(|(y, row)| {

@@ -2,7 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use super::raster::{Shot, draw};
+use super::raster::put_together;
+use super::shot::Shot;
+use super::tiles::Tiles;
 use super::{Camera, Cloud, NamedCamera, Rig, Stage};
 use crate::field::{Size, fit_long_side};
 use crate::job::{Cancelled, Job};
@@ -59,7 +61,7 @@ impl Look {
         let size = fit_long_side(camera.size, LOOK_PX);
         let camera = camera.resized(size);
         let rig = Rig { camera, step: 0.0, zero: 0.0, near: nearest(thin, &camera) };
-        let shown = draw(thin, &Shot::view(rig, Vec2::ZERO), job)?;
+        let shown = put_together(&Tiles::seen(thin, &Shot::view(rig, Vec2::ZERO), job)?, job)?;
         let solid = |at: &usize| shown.cover[*at] > 0.5;
         let mut nearness: Vec<f32> = (0..shown.cover.len()).filter(solid).map(|at| shown.nearness[at]).collect();
         nearness.sort_by(f32::total_cmp);

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::points::{Point, Space, points};
-use super::raster::Shot;
+use super::shot::Shot;
 use super::{Blend, Cloud, Gaussian, NamedCamera, Rig, SplatError, Stage, harmonics};
 use crate::field::{LightField, RayDepths, ViewIndex};
 use crate::job::{Cancelled, Job, Stage as At};

@@ -3,7 +3,8 @@
 //!
 //! * [`Cloud`]: the ellipsoids, and [`harmonics`]: their colour, which may depend on the direction.
 //! * [`Camera`], [`Rig`]: where the reference view stands, and how far a view step is.
-//! * `project`, `raster`: one picture, by tiles, from near to far, with the expected disparity of each ray.
+//! * `project`, `tiles`, `raster`: one picture, by tiles, from near to far, with the expected disparity of each ray;
+//!   `gpu` is the last step's twin on a device, and both are a [`Painter`].
 //! * [`Stage::new`]: a camera for a file that names none.
 //! * [`views`](self): the grid of views; [`Stage::through_lens`]: true defocus, by many views over the lens's opening.
 //! * [`from_field()`]: one Gaussian for each point that a light field's rays end at.
@@ -19,13 +20,17 @@ mod dots;
 mod fill;
 mod find;
 mod from_field;
+#[cfg(feature = "ui")]
+mod gpu;
 pub mod harmonics;
 mod points;
 mod project;
 mod raster;
+mod shot;
 mod stage;
 #[cfg(test)]
 mod tests;
+mod tiles;
 
 use crate::field::FieldError;
 use crate::job::Cancelled;
@@ -34,7 +39,11 @@ pub use camera::{Camera, Rig};
 pub use cloud::{Blend, Cloud, Gaussian};
 pub use dots::{Dots, Gathered, Turn};
 pub use from_field::from_field;
+#[cfg(feature = "ui")]
+pub use gpu::SplatGpu;
+pub use raster::{Painter, Processor, Shown};
 pub use stage::{NamedCamera, Pictured, Stage};
+pub use tiles::Tiles;
 
 /// Why views of a scene, or a scene of views, could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::raster::Shot;
+use super::shot::Shot;
 use super::{Blend, Cloud, Gaussian, harmonics};
 use crate::field::color::linear_from_srgb;
 

@@ -5,10 +5,14 @@ use std::sync::Arc;
 use glam::Vec2;
 
 use super::fill::close_gaps;
-use super::raster::{Shot, Shown, draw};
+use super::raster::{Painter, Processor, Shown, put_together};
+use super::shot::Shot;
+use super::tiles::Tiles;
 use super::{Blend, Cloud, Rig, SplatError};
 use crate::field::color::srgb8_from_linear;
-use crate::field::{DisparityMap, LightField, RayDepths, Size, Strength, View, ViewBlock, ViewGrid, ViewIndex};
+use crate::field::{
+    DisparityMap, LightField, RayDepths, Size, Strength, View, ViewBlock, ViewGrid, ViewIndex, ViewOffset,
+};
 use crate::job::{Cancelled, Job, Stage as At};
 
 /// Who said where the camera stands.
@@ -122,9 +126,17 @@ impl Stage {
         Ok((Arc::new(field), Arc::new(depths)))
     }
 
+    /// What an eye sees that stands some view steps beside the reference camera, in the cloud's own values.
+    ///
+    /// # Errors
+    /// Stopped.
+    pub fn view(&self, from: ViewOffset, painter: &dyn Painter, job: &Job) -> Result<Shown, Cancelled> {
+        self.shown(&Shot::view(self.rig, from.to_vec2()), painter, job)
+    }
+
     /// What one eye sees, stored as a view is.
     pub(super) fn taken(&self, shot: &Shot, job: &Job) -> Result<Taken, Cancelled> {
-        let shown = self.shown(shot, job)?;
+        let shown = self.shown(shot, &Processor, job)?;
         let disparity_px = shown.nearness.iter().map(|n| shot.rig.disparity_px(*n)).collect();
         let byte = |value: f32| match self.cloud.blend {
             Blend::Encoded => (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8,
@@ -135,8 +147,12 @@ impl Stage {
     }
 
     /// What one eye sees, in the cloud's values, with gaps closed.
-    pub(super) fn shown(&self, shot: &Shot, job: &Job) -> Result<Shown, Cancelled> {
-        let mut shown = draw(&self.cloud, shot, job)?;
+    pub(super) fn shown(&self, shot: &Shot, painter: &dyn Painter, job: &Job) -> Result<Shown, Cancelled> {
+        let tiles = Tiles::seen(&self.cloud, shot, job)?;
+        let mut shown = match painter.paint(&tiles, job)? {
+            Some(shown) => shown,
+            None => put_together(&tiles, job)?,
+        };
         close_gaps(&mut shown, shot.rig.camera.size[0] as usize, self.ends[0]);
         Ok(shown)
     }

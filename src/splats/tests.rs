@@ -2,8 +2,9 @@
 
 use glam::{Quat, Vec2, Vec3};
 
-use super::raster::{Shot, draw};
-use super::{Blend, Camera, Cloud, Gaussian, NamedCamera, Rig, Stage, from_field, harmonics};
+use super::raster::put_together;
+use super::shot::Shot;
+use super::{Blend, Camera, Cloud, Gaussian, NamedCamera, Processor, Rig, Stage, Tiles, from_field, harmonics};
 use crate::field::{
     FNumber, FocalPlane, Lens, LightField, RayDepths, Size, Strength, View, ViewGrid, ViewIndex, ViewOffset, ViewPoint,
 };
@@ -88,7 +89,7 @@ fn stage(gaussians: &[(Vec3, f32, [f32; 3])]) -> Stage {
 #[test]
 fn one_gaussian_is_where_and_as_wide_as_it_should_be() {
     let stage = stage(&[(Vec3::new(0.4, -0.2, 2.0), 0.06, [0.5, 1.0, 0.25])]);
-    let shown = with_job(|job| stage.shown(&Shot::view(stage.rig, Vec2::ZERO), job));
+    let shown = with_job(|job| stage.shown(&Shot::view(stage.rig, Vec2::ZERO), &Processor, job));
     // At 50 + 100·0.4/2 = 70 and 40 − 10 = 30; 100·0.06/2 = 3 px wide, and the low-pass.
     let at = |x: usize, y: usize| y * 101 + x;
     assert!((shown.cover[at(70, 30)] - 0.8).abs() < 1e-4, "{}", shown.cover[at(70, 30)]);
@@ -101,7 +102,7 @@ fn one_gaussian_is_where_and_as_wide_as_it_should_be() {
     }
     assert!((shown.nearness[at(70, 30)] - 0.5).abs() < 1e-4);
     // A step to the right moves it by −D = −100·0.02·(0.5 − 0.25).
-    let moved = with_job(|job| stage.shown(&Shot::view(stage.rig, Vec2::new(8.0, 0.0)), job));
+    let moved = with_job(|job| stage.shown(&Shot::view(stage.rig, Vec2::new(8.0, 0.0)), &Processor, job));
     assert!((moved.cover[at(66, 30)] - 0.8).abs() < 1e-3);
 }
 
@@ -111,7 +112,8 @@ fn what_is_nearer_comes_first_in_any_order() {
     let far = (Vec3::new(0.0, 0.0, 3.0), 0.3, [0.0, 1.0, 0.0]);
     for gaussians in [[near, far], [far, near]] {
         let stage = stage(&gaussians);
-        let shown = with_job(|job| draw(&stage.cloud, &Shot::view(stage.rig, Vec2::ZERO), job));
+        let shown =
+            with_job(|job| put_together(&Tiles::seen(&stage.cloud, &Shot::view(stage.rig, Vec2::ZERO), job)?, job));
         let middle = 40 * 101 + 50;
         let [r, g, _] = shown.rgb[middle];
         assert!((r - 0.8).abs() < 1e-3 && (g - 0.16).abs() < 1e-3, "{r} {g}");
@@ -127,7 +129,8 @@ fn a_lens_gathers_what_many_eyes_on_it_see() {
     let focus = FocalPlane { disparity_px: 0.9, ..FocalPlane::default() };
     let lens = Lens { f_number: FNumber(2.8), focus, ..Lens::default() };
     let from = ViewPoint(ViewOffset { dv: 0.5, du: -1.0 });
-    let through = |lens: &Lens| with_job(|job| stage.through_lens(lens, from, [120, 80], Strength::AS_MADE, job));
+    let through =
+        |lens: &Lens| with_job(|job| stage.through_lens(lens, from, ([120, 80], Strength::AS_MADE), &Processor, job));
     let picture = through(&lens);
     let (mut sum, mut count) = (vec![0.0f32; 120 * 80 * 3], 0.0);
     let radius = lens.f_number.added_views() / 2.0;

@@ -6,9 +6,11 @@ use std::time::{Duration, Instant};
 use eframe::egui_wgpu::RenderState;
 use egui::TextureId;
 
+use super::finals::Devices;
 use crate::field::{LightField, RayDepths, View, ViewGrid, ViewIndex};
 use crate::render::gpu::{Budget, Draw, FieldTexture, Gpu, Target};
 use crate::render::lens::LensGpu;
+use crate::splats::SplatGpu;
 
 /// Which picture of the light field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,9 +72,11 @@ impl FieldPictures {
         self.gpu.is_software()
     }
 
-    /// The lens renderer on this device; none where the processor draws, which is quicker at it without a detour.
-    pub fn lens_renderer(&self) -> Option<LensGpu> {
-        (!self.is_software()).then(|| LensGpu::new(self.gpu.device(), self.gpu.queue()))
+    /// Pictures at rest on this device; none where the processor draws, which is quicker at them without a detour.
+    pub fn at_rest(&self) -> Option<Devices> {
+        let (device, queue) = (self.gpu.device(), self.gpu.queue());
+        let made = || Devices { lens: LensGpu::new(device, queue), splats: SplatGpu::new(device, queue) };
+        (!self.is_software()).then(made)
     }
 
     /// Forgets the light field.

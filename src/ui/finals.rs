@@ -12,6 +12,7 @@ use crate::job::{Cancel, Job};
 use crate::render::Picture;
 use crate::render::lens::{LensGpu, Prepared, Region, Rgbd, Space};
 use crate::scene::{Edit, Making, Need, OutputSize, Scene, SceneError};
+use crate::splats::{Painter, Processor, SplatGpu};
 
 /// A request for a picture at rest.
 pub struct Request {
@@ -21,9 +22,17 @@ pub struct Request {
     pub scene: Scene,
 }
 
-/// What of a picture does not depend on the lens, and the device that draws it, if it is faster than the processor.
+/// What draws pictures at rest where a device is faster than the processor.
+pub struct Devices {
+    /// The layered lens.
+    pub lens: LensGpu,
+    /// What a true lens sees of a scene of splats.
+    pub splats: SplatGpu,
+}
+
+/// What of a picture does not depend on the lens, and what draws it.
 struct Renderer {
-    device: Option<LensGpu>,
+    devices: Option<Devices>,
     rgbd: Option<(Which, Rgbd)>,
     prepared: Option<(Which, Eye, [u32; 2], Arc<Prepared>)>,
 }
@@ -34,8 +43,8 @@ type Which = (u64, Strength);
 type Eye = (ViewPoint, f32);
 
 /// The work of the thread that renders pictures at rest; it keeps what does not depend on the lens.
-pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
-    let mut renderer = Renderer { device, rgbd: None, prepared: None };
+pub fn worker(devices: Option<Devices>) -> impl Work<Request> {
+    let mut renderer = Renderer { devices, rgbd: None, prepared: None };
     move |job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox| {
         let event = match renderer.render(&request, &Job { cancel, sink: &() }) {
             Ok(picture) => Event::AtRest(request.key.clone(), Arc::new(TileSet::of_picture(&picture))),
@@ -44,7 +53,7 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
         };
         outbox.send(job, event);
         // What a lens renderer drafts of a scene of splats, a true lens takes the place of.
-        let picture = true_picture(&request, &Job { cancel, sink: &() }).unwrap_or_else(|error| {
+        let picture = renderer.true_picture(&request, &Job { cancel, sink: &() }).unwrap_or_else(|error| {
             log::info!("no true defocus: {error}");
             None
         });
@@ -54,14 +63,6 @@ pub fn worker(device: Option<LensGpu>) -> impl Work<Request> {
     }
 }
 
-/// The visible part of what a true lens sees, where the scene has one.
-fn true_picture(request: &Request, job: &Job) -> Result<Option<Picture>, SceneError> {
-    let RestKey { ref edit, size, region, .. } = request.key;
-    let scene = request.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
-    let whole = scene.through_true_lens(edit, OutputSize::Within(size), job)?;
-    Ok(whole.map(|picture| part(&picture, region)))
-}
-
 /// A part of a picture.
 fn part(picture: &Picture, Region { at, size }: Region) -> Picture {
     let last = picture.size.map(|side| side.saturating_sub(1));
@@ -69,6 +70,15 @@ fn part(picture: &Picture, Region { at, size }: Region) -> Picture {
 }
 
 impl Renderer {
+    /// The visible part of what a true lens sees, where the scene has one.
+    fn true_picture(&self, request: &Request, job: &Job) -> Result<Option<Picture>, SceneError> {
+        let RestKey { ref edit, size, region, .. } = request.key;
+        let scene = request.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
+        let painter: &dyn Painter = self.devices.as_ref().map_or(&Processor, |devices| &devices.splats);
+        let whole = scene.through_true_lens(edit, OutputSize::Within(size), painter, job)?;
+        Ok(whole.map(|picture| part(&picture, region)))
+    }
+
     fn render(&mut self, request: &Request, job: &Job) -> Result<Picture, SceneError> {
         let RestKey { ref edit, region, .. } = request.key;
         // The views of a strength may be on their way: the map is there at once.
@@ -76,8 +86,8 @@ impl Renderer {
         let prepared = self.prepared(&scene, &request.key, job)?;
         job.check()?;
         let lens = scene.lens(edit);
-        if let Some(device) = &mut self.device
-            && let Some(picture) = device.render(&prepared, &lens, region, job)?
+        if let Some(devices) = &mut self.devices
+            && let Some(picture) = devices.lens.render(&prepared, &lens, region, job)?
         {
             return Ok(picture);
         }

@@ -64,7 +64,7 @@ impl Workers {
             adder: Worker::spawn("nets", out(), adding::worker(Arc::clone(&maker))),
             truster: Worker::spawn("trust", out(), trust::worker(Arc::clone(&maker))),
             saver: Worker::spawn("export", out(), saver::worker(maker)),
-            finisher: Worker::spawn("final", out(), finals::worker(pictures.and_then(FieldPictures::lens_renderer))),
+            finisher: Worker::spawn("final", out(), finals::worker(pictures.and_then(FieldPictures::at_rest))),
             points: Worker::spawn("points", out(), points::worker()),
             mender: Worker::spawn("mend", out(), mending::work),
             outliner: Worker::spawn("outline", out(), mending::work),

@@ -78,5 +78,6 @@ pub fn shader_sources() -> Vec<(&'static str, String)> {
         ("depth", with_common(include_str!("shaders/depth.wgsl"))),
         ("present", include_str!("shaders/present.wgsl").to_owned()),
         ("lens", include_str!("../lens/gpu/lens.wgsl").to_owned()),
+        ("splats", include_str!("../../splats/gpu/blend.wgsl").to_owned()),
     ]
 }
