@@ -20,10 +20,14 @@ const SAME_SHAPE: f32 = 0.02;
 /// The same for focal lengths.
 const SAME_LENS: f32 = 0.03;
 
-/// Photos beside the one that is looked at.
+/// Photos beside the one that is looked at. They are read when they are first needed, so that the one is seen at once.
 #[derive(Debug)]
 pub struct Several {
-    frames: Vec<Other>,
+    /// The other pictures of the file that is looked at.
+    own: Vec<Other>,
+    /// The other files.
+    files: Vec<PathBuf>,
+    frames: Mutex<Option<Arc<[Other]>>>,
     /// How much of the baseline the light field takes; none where the scene says it.
     share: Option<f64>,
     solved: Mutex<Option<Outcome>>,
@@ -66,7 +70,8 @@ pub struct SeveralFound {
 }
 
 impl Subject {
-    /// Opens photos of one subject: files, folders, pictures that hold several. What cannot be used is told of and left out.
+    /// Opens photos of one subject: files, folders, pictures that hold several. The others are read when a scene is made;
+    /// what cannot be used of them is told of then, and left out.
     ///
     /// # Errors
     /// The reference photo cannot be opened, or there is none of that number.
@@ -81,47 +86,45 @@ impl Subject {
         let mut own = several::photos(path, job)?.into_iter();
         let Some(first) = own.next() else { return Self::open(path, job) };
         first.warnings.iter().for_each(|warning| job.sink.warning(warning.clone()));
-        let mut frames: Vec<Other> = Vec::new();
-        for (n, other) in own.enumerate() {
-            frames.extend(small(&other, &format!("picture {}", n + 2), (path, n + 1), &first, job)?);
-        }
-        frames.extend(others(&files, asked.reference, &first, job)?);
+        let facts = (first.photo.size(), first.info.f35_mm);
+        let small =
+            |(n, other): (usize, PhotoFile)| small(&other, &format!("picture {}", n + 2), (path, n + 1), facts, job);
+        let own = own.enumerate().map(small).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
+        let files = others(&files, asked.reference, job);
+        let several = Several { own, files, frames: Mutex::default(), share: asked.share, solved: Mutex::default() };
         let mut subject = Self::from_opened(first.into(), path);
         if let Content::Photo(one) = &mut subject.content {
-            if frames.is_empty() {
-                job.sink.warning("There is only one photo that can be used, so its other views are made".to_owned());
-            } else {
-                let several = Several { frames, share: asked.share, solved: Mutex::default() };
-                if asked.denoise {
-                    one.photo = several.denoised(one, job)?;
-                }
-                one.several = Some(Arc::new(several));
+            if asked.denoise {
+                one.photo = several.denoised(one, job)?;
             }
+            one.several = Some(Arc::new(several));
         }
         Ok(subject)
     }
 }
 
-/// The frames of all files but one, evenly chosen where there are too many.
-fn others(files: &[PathBuf], reference: usize, first: &PhotoFile, job: &Job) -> Result<Vec<Other>, SceneError> {
-    let mut rest: Vec<&PathBuf> =
-        files.iter().enumerate().filter(|(i, _)| *i != reference).map(|(_, path)| path).collect();
+/// All files but one, evenly chosen where there are too many.
+fn others(files: &[PathBuf], reference: usize, job: &Job) -> Vec<PathBuf> {
+    let rest: Vec<PathBuf> =
+        files.iter().enumerate().filter(|(i, _)| *i != reference).map(|(_, path)| path.clone()).collect();
     let most = burst::MOST - 1;
-    if rest.len() > most {
-        job.sink.warning(format!(
-            "{} photos are more than are needed: {} of them are used, evenly apart",
-            files.len(),
-            most + 1
-        ));
-        rest = (0..most).map(|i| rest[i * rest.len() / most]).collect();
+    if rest.len() <= most {
+        return rest;
     }
-    let (done, total) = (AtomicU32::new(0), rest.len() as u32);
-    let read = |path: &&PathBuf| -> Result<Vec<Other>, SceneError> {
+    let (count, used) = (files.len(), most + 1);
+    job.sink.warning(format!("{count} photos are more than are needed: {used} of them are used, evenly apart"));
+    (0..most).map(|i| rest[i * rest.len() / most].clone()).collect()
+}
+
+/// The frames of files, for a photo of a size and a focal length.
+fn read(files: &[PathBuf], facts: (Size, Option<f32>), job: &Job) -> Result<Vec<Other>, SceneError> {
+    let (done, total) = (AtomicU32::new(0), files.len() as u32);
+    let read = |path: &PathBuf| -> Result<Vec<Other>, SceneError> {
         job.check()?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let found = match several::photos(path, job) {
             Ok(files) => {
-                let small = |(n, file): (usize, &PhotoFile)| small(file, &name, (path, n), first, job);
+                let small = |(n, file): (usize, &PhotoFile)| small(file, &name, (path, n), facts, job);
                 files.iter().enumerate().map(small).collect::<Result<Vec<_>, _>>()?
             }
             Err(error) => {
@@ -133,7 +136,7 @@ fn others(files: &[PathBuf], reference: usize, first: &PhotoFile, job: &Job) -> 
         job.advance(Stage::Open, done.fetch_add(1, Ordering::Relaxed) + 1, total)?;
         Ok(found.into_iter().flatten().collect())
     };
-    Ok(rest.par_iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
+    Ok(files.par_iter().map(read).collect::<Result<Vec<_>, _>>()?.concat())
 }
 
 /// A frame as small as it is needed; none, and the person is told, where it is not of the reference photo's camera.
@@ -141,13 +144,13 @@ fn small(
     file: &PhotoFile,
     name: &str,
     source: (&Path, usize),
-    first: &PhotoFile,
+    (size, f35_mm): (Size, Option<f32>),
     job: &Job,
 ) -> Result<Option<Other>, SceneError> {
     let shape = |size: Size| size[0] as f32 / size[1] as f32;
     let differs = |a: f32, b: f32, by: f32| (a / b - 1.0).abs() > by;
-    let why = match (file.info.f35_mm, first.info.f35_mm) {
-        _ if differs(shape(file.photo.size()), shape(first.photo.size()), SAME_SHAPE) => "it has another shape",
+    let why = match (file.info.f35_mm, f35_mm) {
+        _ if differs(shape(file.photo.size()), shape(size), SAME_SHAPE) => "it has another shape",
         (Some(a), Some(b)) if differs(a, b, SAME_LENS) => "it was taken with another lens or zoom",
         _ => {
             let view = reference_view(&file.photo, burst::FRAME_LONG_SIDE, job)?;
@@ -161,7 +164,19 @@ fn small(
 impl Several {
     /// How many other photos there are.
     pub fn count(&self) -> usize {
-        self.frames.len()
+        self.own.len() + self.files.len()
+    }
+
+    /// The other photos that can be used, read once.
+    fn frames(&self, one: &OnePhoto, job: &Job) -> Result<Arc<[Other]>, SceneError> {
+        let mut known = self.frames.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(frames) = &*known {
+            return Ok(Arc::clone(frames));
+        }
+        let frames: Arc<[Other]> =
+            [self.own.clone(), read(&self.files, (one.photo.size(), one.f35_mm), job)?].concat().into();
+        *known = Some(Arc::clone(&frames));
+        Ok(frames)
     }
 
     /// What the photos tell, found once; none, and the person is told, where they tell nothing.
@@ -181,8 +196,12 @@ impl Several {
     }
 
     fn solve(&self, one: &OnePhoto, job: &Job) -> Result<Outcome, SceneError> {
+        let others = self.frames(one, job)?;
+        if others.is_empty() {
+            return Ok(Err("There is only one photo that can be used, so its other views are made".to_owned()));
+        }
         let reference = reference_view(&one.photo, burst::FRAME_LONG_SIDE, job)?;
-        let frames: Vec<View> = self.frames.iter().map(|other| other.view.clone()).collect();
+        let frames: Vec<View> = others.iter().map(|other| other.view.clone()).collect();
         let solved = match burst::solve(&reference, &frames, one.f35_mm, job) {
             Ok(solved) => solved,
             Err(BurstError::Cancelled(stopped)) => return Err(stopped.into()),
@@ -190,7 +209,7 @@ impl Several {
             Err(error) => return Ok(Err(sentence(&error))),
         };
         let is_out = |i: usize| solved.posed.poses[i].is_none();
-        let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| self.frames[i].name.as_str()).collect();
+        let out: Vec<&str> = (0..frames.len()).filter(|i| is_out(*i)).map(|i| others[i].name.as_str()).collect();
         if !out.is_empty() {
             job.sink.warning(format!("Photos that do not fit are left out: {}", out.join(", ")));
         }
@@ -200,9 +219,10 @@ impl Several {
     /// The photo with less noise, where the others can be brought over it; its colours are sRGB then.
     fn denoised(&self, one: &OnePhoto, job: &Job) -> Result<Arc<Photo>, SceneError> {
         let Some(solved) = self.solved(one, job)? else { return Ok(Arc::clone(&one.photo)) };
+        let others = self.frames(one, job)?;
         let whole = |photo: &Photo| View::new(photo.size(), photo.srgb8().to_vec()).map_err(SynthError::from);
         let frame = |i: usize| -> Result<Option<View>, SceneError> {
-            let (path, n) = &self.frames[i].source;
+            let (path, n) = &others[i].source;
             let files = several::photos(path, job)?;
             files.get(*n).map(|file| whole(&file.photo).map_err(SceneError::from)).transpose()
         };
@@ -338,12 +358,11 @@ mod tests {
         paths.push(dir.path().join("broken.jpg"));
         std::fs::write(&paths[7], b"no picture").unwrap();
         let subject = Arc::new(Subject::open_several(&paths, SeveralAsked::default(), &job).unwrap());
-        let texts = told.take().join("\n");
-        assert!(texts.contains("tall.png is left out") && texts.contains("broken.jpg — it is left out"), "{texts}");
-
+        assert!(told.take().is_empty(), "the others are not read yet");
         let (maker, how) = (Maker::default(), Making { long_side: 200, ..Making::default() });
         let scene = maker.scene(&subject, &how, Need::Views, &job).unwrap();
-        assert!(told.take().is_empty());
+        let texts = told.take().join("\n");
+        assert!(texts.contains("tall.png is left out") && texts.contains("broken.jpg — it is left out"), "{texts}");
         let found = scene.several().unwrap();
         assert!(found.used == 6 && found.reprojection_px < 0.5, "{found:?}");
         let MadeViews { field, provenance, .. } = scene.made_views().unwrap();

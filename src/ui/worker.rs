@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::event::Event;
 use super::words::{Message, message};
@@ -64,8 +64,23 @@ impl<R, F: FnMut(JobId, R, &Cancel, &Outbox) + Send + 'static> Work<R> for F {}
 
 struct Inner<R> {
     waiting: VecDeque<(JobId, R, Cancel)>,
-    running: Option<(JobId, Cancel)>,
+    running: Option<Running>,
     is_closed: bool,
+}
+
+/// What a thread is doing.
+struct Running {
+    job: JobId,
+    cancel: Cancel,
+    /// When it was asked to stop.
+    asked: Option<Instant>,
+}
+
+impl Running {
+    fn stop(&mut self) {
+        self.cancel.cancel();
+        self.asked.get_or_insert_with(Instant::now);
+    }
 }
 
 struct Shared<R> {
@@ -86,7 +101,7 @@ pub struct Worker<R> {
 
 impl<R: Send + 'static> Worker<R> {
     /// Starts the thread. Without one (the system has none left) requests wait for ever, and the log says so.
-    pub fn spawn(name: &str, outbox: Outbox, mut work: impl Work<R>) -> Self {
+    pub fn spawn(name: &'static str, outbox: Outbox, mut work: impl Work<R>) -> Self {
         let inner = Inner { waiting: VecDeque::new(), running: None, is_closed: false };
         let shared = Arc::new(Shared { inner: Mutex::new(inner), wake: Condvar::new() });
         let theirs = Arc::clone(&shared);
@@ -95,7 +110,9 @@ impl<R: Send + 'static> Worker<R> {
             while let Some((job, request, cancel)) = next(&theirs) {
                 // A bug in one job must not take the window down.
                 let done = catch_unwind(AssertUnwindSafe(|| work(job, request, &cancel, &outbox)));
-                theirs.lock().running = None;
+                if let Some(asked) = theirs.lock().running.take().and_then(|running| running.asked) {
+                    log::debug!("{name}: stopped {:.3} s after it was asked to", asked.elapsed().as_secs_f64());
+                }
                 if let Err(panic) = done {
                     outbox.send(job, Event::Failed(panic_text(panic.as_ref())));
                 }
@@ -138,8 +155,8 @@ impl<R: Send + 'static> Worker<R> {
         let mut inner = self.shared.lock();
         let before = inner.waiting.len();
         inner.waiting.retain(|(waiting, ..)| *waiting != job);
-        if let Some((_, cancel)) = inner.running.as_ref().filter(|(running, _)| *running == job) {
-            cancel.cancel();
+        if let Some(running) = inner.running.as_mut().filter(|running| running.job == job) {
+            running.stop();
         }
         inner.waiting.len() < before
     }
@@ -148,8 +165,8 @@ impl<R: Send + 'static> Worker<R> {
 impl<R> Inner<R> {
     fn stop(&mut self) {
         self.waiting.clear();
-        if let Some((_, cancel)) = &self.running {
-            cancel.cancel();
+        if let Some(running) = &mut self.running {
+            running.stop();
         }
     }
 }
@@ -171,7 +188,7 @@ fn next<R>(shared: &Shared<R>) -> Option<(JobId, R, Cancel)> {
             return None;
         }
         if let Some((job, request, cancel)) = inner.waiting.pop_front() {
-            inner.running = Some((job, cancel.clone()));
+            inner.running = Some(Running { job, cancel: cancel.clone(), asked: None });
             return Some((job, request, cancel));
         }
         inner = shared.wake.wait(inner).unwrap_or_else(PoisonError::into_inner);
