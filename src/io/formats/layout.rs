@@ -118,6 +118,34 @@ pub fn guess(field: &LightField) -> Vec<Guess> {
     guesses
 }
 
+/// Orders by chance that the order of the views is compared with.
+const SHUFFLES: u64 = 8;
+/// Views in their order leave less than this part of what others leave: 0.34 to 0.63 in eight recorded light fields, 0.8 to
+/// 1.3 in photos by hand.
+const TOLD_BY_ORDER: f32 = 0.72;
+
+/// Whether the order of pictures says from where each was taken, as that of views does and that of photos by hand does not.
+pub fn is_in_order(field: &LightField) -> bool {
+    let Some(best) = guess(field).first().copied() else { return false };
+    let by_chance: Vec<f32> = (1..=SHUFFLES).map(|seed| error(&shuffled(field, seed))).collect();
+    let mean = by_chance.iter().sum::<f32>() / SHUFFLES as f32;
+    // Chance may hit the order itself.
+    let least = by_chance.iter().copied().fold(f32::INFINITY, f32::min) * 1.001;
+    best.error <= least && best.error < TOLD_BY_ORDER * mean
+}
+
+/// The same views in another order.
+fn shuffled(field: &LightField, seed: u64) -> LightField {
+    let mut views: Vec<_> = field.grid().views().map(|at| Arc::clone(field.view(at))).collect();
+    // Knuth's constants: any fixed order serves.
+    let mut state = seed;
+    for last in (1..views.len()).rev() {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        views.swap(last, (state >> 33) as usize % (last + 1));
+    }
+    LightField::new(field.grid(), views).unwrap_or_else(|_| field.clone())
+}
+
 /// The guess that is clearly better than the views as they lie, if there is one.
 pub fn better_than_stored(field: &LightField) -> Option<Guess> {
     let guesses = guess(field);
@@ -233,5 +261,16 @@ pub(crate) mod tests {
         assert_eq!((column.grid().rows(), column.grid().cols()), (7, 1));
         assert!(better_than_stored(&column).unwrap().layout.transposed);
         assert!(better_than_stored(&scene(1, 7, [120, 90])).is_none());
+    }
+
+    #[test]
+    fn views_are_in_order_and_every_third_is_not() {
+        for (rows, cols) in [(1, 7), (4, 4)] {
+            let field = scene(rows, cols, [96, 72]);
+            assert!(is_in_order(&field), "{rows} x {cols}");
+            let count = field.views().len();
+            let thirds = (0..count).map(|n| Arc::clone(&field.views()[3 * n % count])).collect();
+            assert!(!is_in_order(&LightField::new(field.grid(), thirds).unwrap()), "{rows} x {cols}");
+        }
     }
 }

@@ -67,7 +67,7 @@ pub(super) fn read_files(
 ) -> Result<Option<Opened>, Problem> {
     let field = match read_views(files, job) {
         // A running number alone is what photos have too: only pictures that fit together are views.
-        Ok(field) if files.running && layout::guess(&field)[0].error > UNRELATED => return Ok(None),
+        Ok(field) if files.running && !are_views(&field) => return Ok(None),
         Err(Problem::TooLarge { .. } | Problem::Implausible { .. }) if files.running => return Ok(None),
         Err(Problem::In { problem, .. }) if files.running && matches!(*problem, Problem::OddView { .. }) => {
             return Ok(None);
@@ -104,6 +104,11 @@ pub(super) fn read_files(
         super::check_layout(&mut file);
     }
     Ok(Some(file.into()))
+}
+
+/// Whether pictures with a running number, which photos have too, fit together as views of one scene in this order.
+fn are_views(field: &LightField) -> bool {
+    layout::guess(field).first().is_some_and(|best| best.error <= UNRELATED) && layout::is_in_order(field)
 }
 
 /// The index, or an empty one; a broken one is a warning, as the names tell the grid too.
