@@ -201,7 +201,7 @@ pub struct SynthArgs {
     #[arg(long, value_name = "FILE.pfm")]
     pub disparity: Option<PathBuf>,
     /// Where the ray depth comes from: auto (the phone's depth, else the net of `models use`, else our own), network,
-    /// phone, fused, or the name of a depth net (such as paper-flowers)
+    /// phone, fused, or the name of a depth net (such as paper-flowers); with --corners the name of nets between corners
     #[arg(long, value_name = "SOURCE", default_value = "auto", conflicts_with = "disparity")]
     pub source: String,
     /// How far ray depths of a net reach: deep, for refocusing far, or lytro, as the paper's camera would have seen

@@ -10,7 +10,8 @@ use crate::io::formats::layout::Layout;
 use crate::io::{self, EmbeddedDepth, FileInfo, LightFieldFile, Opened, PhotoFile};
 use crate::job::Job;
 use crate::splats::Pictured;
-use crate::synth::{corners, reference_view};
+use crate::synth::corners::{self, CornerNets};
+use crate::synth::reference_view;
 
 /// The most pixels of a view of which 64 are made.
 const LARGEST_CORNER: u64 = 6 << 20;
@@ -102,7 +103,7 @@ impl Subject {
                     path.display()
                 )));
             }
-            *recorded = Recorded::between(recorded.shown.views(), job)?;
+            *recorded = Recorded::between(recorded.shown.views(), None, job)?;
         }
         Ok(subject)
     }
@@ -133,11 +134,17 @@ impl Subject {
     }
 
     /// The light field between four photos that were taken from the corners of a square: upper left, upper right, lower
-    /// left, lower right. Its views are `long_side` long at most.
+    /// left, lower right. Its views are `long_side` long at most. Nets make those between, where they are given, else what a
+    /// sweep over the four finds.
     ///
     /// # Errors
-    /// What is no photo; photos of several sizes; cancelled.
-    pub fn between(photos: [&Path; 4], long_side: u32, job: &Job) -> Result<Self, SceneError> {
+    /// What is no photo; photos of several sizes; cancelled; what the nets say.
+    pub fn between(
+        photos: [&Path; 4],
+        long_side: u32,
+        nets: Option<&CornerNets>,
+        job: &Job,
+    ) -> Result<Self, SceneError> {
         let mut views: Vec<Arc<View>> = Vec::with_capacity(4);
         for path in photos {
             let subject = Self::open(path, job)?;
@@ -151,7 +158,7 @@ impl Subject {
             }
             views.push(Arc::new(view));
         }
-        let recorded = Recorded::between(&views, job)?;
+        let recorded = Recorded::between(&views, nets, job)?;
         let name = photos[0].file_name().unwrap_or(photos[0].as_os_str()).to_string_lossy().into_owned();
         let path = Some(photos[0].to_owned());
         Ok(Self { name, path, file: None, info: None, content: Content::Views(recorded) })
@@ -254,8 +261,8 @@ impl From<LightFieldFile> for Recorded {
 }
 
 impl Recorded {
-    fn between(corners: &[Arc<View>], job: &Job) -> Result<Self, SceneError> {
-        let (field, depths) = corners::between(corners, job)?;
+    fn between(corners: &[Arc<View>], nets: Option<&CornerNets>, job: &Job) -> Result<Self, SceneError> {
+        let (field, depths) = nets.map_or_else(|| corners::between(corners, job), |nets| nets.between(corners, job))?;
         let (shown, depths) = (Arc::new(field), Some(Arc::new(depths)));
         let layout = Layout::default();
         Ok(Self { shown, depths, stored: None, reference: None, provenance: None, layout })

@@ -89,6 +89,17 @@ pub enum ModelError {
         /// The names that are known.
         known: String,
     },
+    /// No nets of four corners of this name.
+    #[error(
+        "there are no nets of four corners called {name:?} — known are {} — leave --source out, or export such nets and name their folder with --models",
+        none_or(known)
+    )]
+    NoCornerNets {
+        /// The name that was asked for.
+        name: String,
+        /// The names that are known.
+        known: Vec<String>,
+    },
     /// It answers with values that are not numbers.
     #[error(
         "model {id} answers with values that are not numbers — its weights are damaged — fetch the model again: {place}"
@@ -99,6 +110,11 @@ pub enum ModelError {
         /// Where it lies.
         place: String,
     },
+}
+
+/// Names, or that there are none.
+fn none_or(names: &[String]) -> String {
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 /// A light field that could not be made.

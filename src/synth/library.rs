@@ -229,11 +229,24 @@ impl ModelSource {
         self.further_models().into_iter().filter_map(tag).collect()
     }
 
-    /// What a model is for, where that is depth.
+    /// Names of the nets of four corners that lie here.
+    pub(super) fn corner_models(&self) -> Vec<String> {
+        let mut ids = self.folders();
+        ids.retain(|id| self.task(id) == Some(Task::Corners));
+        ids.sort();
+        ids
+    }
+
+    /// What a model is for, where that is the depth of a photo.
     fn depth_task(&self, id: &str) -> Option<Task> {
+        self.task(id).filter(|task| matches!(task, Task::RayDepth | Task::RelativeDepth))
+    }
+
+    /// What a model is for; none where it does not say so.
+    fn task(&self, id: &str) -> Option<Task> {
         let path = format!("{id}/manifest.toml");
-        let manifest = self.text(&path).and_then(|text| Manifest::parse(&text, &path)).ok()?;
-        (manifest.task != Task::Occlusion).then_some(manifest.task)
+        let manifest = self.text(&path).and_then(|text| Manifest::parse(&text, &path));
+        manifest.ok().map(|manifest| manifest.task)
     }
 
     fn folders(&self) -> Vec<String> {

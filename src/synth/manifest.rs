@@ -17,6 +17,9 @@ pub enum Task {
     RayDepth,
     /// Lambertian views and ray depths → residual: `[1, 4, V·U, H, W] → [1, 3, V·U, H, W]`.
     Occlusion,
+    /// What four corners say of a view → its ray depth, and beside it the net that corrects the blend's colours
+    /// ([`CornerNets`](super::corners::CornerNets)).
+    Corners,
     /// Photo → one map of relative (affine-unknown) depth, from anybody.
     RelativeDepth,
 }

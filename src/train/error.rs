@@ -79,12 +79,17 @@ pub enum TrainError {
     },
     /// A net that the program has no use for.
     #[error(
-        "a net of {arch} gives no ray depths, so the program cannot use it: export a depth net or the occlusion net"
+        "a net of {arch} gives no ray depths, so the program cannot use it: export a depth net, the occlusion net, or the two of four corners"
     )]
     NotUsable {
         /// The net.
         arch: String,
     },
+    /// One of the two nets of four corners.
+    #[error(
+        "the nets of four corners are used together: name corner-disparity.safetensors and corner-colour.safetensors of a run, and no others"
+    )]
+    HalfOfTwo,
     /// An exported net that does not compute what the trained one does.
     #[error("the exported net differs from the trained one by {difference:e} (at most {tolerance:e} is expected): nothing was written: {}", path.display())]
     Export {

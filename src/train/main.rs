@@ -66,7 +66,7 @@ fn export_command() -> Command {
     Command::new("export")
         .about("Write a checkpoint as models/<ID>/model.onnx with its manifest")
         .arg(
-            arg!(<CHECKPOINT> ... "A .safetensors file of a run; of several, ends of runs that went on from one another, the mean")
+            arg!(<CHECKPOINT> ... "A .safetensors file of a run; of several, ends of runs that went on from one another, the mean; of a run between four corners both its files")
                 .value_parser(value_parser!(PathBuf)),
         )
         .arg(arg!(--id <ID> "Name of the model and of its folder").required(true))
@@ -167,7 +167,7 @@ fn required<T: Clone + Send + Sync + 'static>(matches: &ArgMatches, name: &str) 
 fn export(matches: &ArgMatches) -> Result<()> {
     let paths = matches.get_many::<PathBuf>("CHECKPOINT").into_iter().flatten();
     let nets = paths.map(|path| Checkpoint::load(path)).collect::<Result<Vec<_>, _>>()?;
-    let mut net = Checkpoint::mean(nets)?;
+    let (mut net, colour) = export::parted(nets)?;
     export::amplify(&mut net, required(matches, "gain")?)?;
     let about = About {
         id: required(matches, "id")?,
@@ -176,7 +176,7 @@ fn export(matches: &ArgMatches) -> Result<()> {
         working_long_side: required(matches, "long-side")?,
         bits: if matches.get_flag("half") { Bits::Sixteen } else { Bits::ThirtyTwo },
     };
-    let (folder, difference) = export::export(&net, &about, &required::<PathBuf>(matches, "models")?)?;
+    let (folder, difference) = export::export(&net, colour.as_ref(), &about, &required::<PathBuf>(matches, "models")?)?;
     if let Some(path) = matches.get_one::<PathBuf>("checkpoint") {
         net.save(path, Moments::Without)?;
     }

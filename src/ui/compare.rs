@@ -111,6 +111,13 @@ pub fn back(window: &mut Window) {
     look_at_source(window);
 }
 
+/// Shows a net that is new, or is another now, beside the one before.
+pub fn try_net(window: &mut Window, source: DepthFrom) {
+    window.compare.forget_source(&source);
+    window.compare.look_at(Some(source));
+    look_at_source(window);
+}
+
 fn look_at_source(window: &mut Window) {
     let source = window.compare.at().cloned().unwrap_or_else(|| window.source.clone());
     let making = Making { source, ..window.making() };

@@ -87,10 +87,7 @@ fn told(window: &mut Window, event: Event, ctx: &Context) {
         }
         Event::Training(answer) => {
             if let Some(source) = training::take(window, answer, ctx) {
-                // Beside what is open, as sources are compared.
-                window.compare.forget_source(&source);
-                window.compare.look_at(Some(source));
-                make_again(window);
+                compare::try_net(window, source);
             }
         }
         Event::Warning(text) => window.toasts.info(text),

@@ -21,7 +21,9 @@ pub fn synth(args: &Synth, job: &Job) -> Result<()> {
     let (subject, source) = match (&args.photo, args.corners.as_slice()) {
         (Some(photo), _) => (how.open(photo, job)?, photo),
         (None, [a, b, c, d]) => {
-            (Arc::new(Subject::between([a, b, c, d].map(PathBuf::as_path), args.synth.long_side, job)?), a)
+            let nets = input::corner_nets(&args.synth)?;
+            let photos = [a, b, c, d].map(PathBuf::as_path);
+            (Arc::new(Subject::between(photos, args.synth.long_side, nets.as_ref(), job)?), a)
         }
         (None, _) => return Err(Usage("name one photo, or four with --corners".to_owned()).into()),
     };

@@ -13,6 +13,7 @@ use plenoscope::scene::{DepthFrom, Maker, Making, Need, Recipe, Restored, Scene}
 use plenoscope::synth::ModelSource;
 use plenoscope::synth::adopt::Shelf;
 use plenoscope::synth::cache::Cache;
+use plenoscope::synth::corners::CornerNets;
 
 use crate::cli::{RecipeArgs, SynthArgs};
 
@@ -49,6 +50,16 @@ pub fn how(args: &SynthArgs, recipe: Option<&Path>) -> Result<How> {
         ..Making::default()
     };
     Ok(How::new(making, own_map.map(|map| GivenDepth::Disparity(Arc::new(map))), recipe))
+}
+
+/// The nets between four corners that `--source` names: of the folder of `--models`, or among one's own.
+pub fn corner_nets(args: &SynthArgs) -> Result<Option<CornerNets>> {
+    if DepthFrom::named(&args.source) == DepthFrom::Auto {
+        return Ok(None);
+    }
+    let sources: Vec<ModelSource> =
+        [model_source(args.models.as_deref())].into_iter().chain(Shelf::user().map(|shelf| shelf.source())).collect();
+    Ok(Some(CornerNets::named(&args.source, &sources, args.threads.into())?))
 }
 
 /// Makes scenes, with the user's cache unless the arguments say otherwise.

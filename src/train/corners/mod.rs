@@ -9,17 +9,17 @@ mod view;
 use std::collections::BTreeMap;
 
 use burn::tensor::Tensor;
+use plenoscope::synth::corners::{Between, CORNERS, RANGE_PX, RESIDUAL_GAIN};
 use rayon::prelude::*;
 
 use crate::TrainError;
 use crate::batch::Batch;
 use crate::checkpoint::Checkpoint;
 use crate::config::Config;
-use crate::eval::CORNERS;
-use crate::nets::{CORNER_RANGE_PX, Mode, Tape, VIEWS, values};
+use crate::nets::{Mode, Tape, VIEWS, values};
 use crate::rng::Rng;
 use crate::step::{Report, path, training, update, with_gradient};
-use view::Between;
+use view::warped_gradient;
 
 /// Views of each sample that a step learns from.
 const VIEWS_A_STEP: usize = 2;
@@ -42,7 +42,7 @@ fn looked(batch: &Batch, sample: usize, layer: usize) -> Option<Looked<'_>> {
         Some(&batch.views[(sample * maps.views.len() + place) * n..][..n])
     };
     let [a, b, c, d] = CORNERS.map(of);
-    let between = Between { corners: [a?, b?, c?, d?], layer, layers: CORNERS, size: [maps.width, maps.height] };
+    let between = Between { corners: [a?, b?, c?, d?], layer, size: [maps.width, maps.height] };
     Some(Looked { between, truth: of(layer)? })
 }
 
@@ -115,9 +115,9 @@ fn losses(views: &[Looked<'_>], warped: &[Vec<f32>], residual: &[f32]) -> Losses
             let (mut sums, mut of_residual, mut of_warped) = ([0.0f64; 2], vec![0.0; n], vec![0.0; 4 * n]);
             for i in 0..n {
                 let without = blend[i] - view.truth[i];
-                let with = without + 0.5 * residual[i];
+                let with = without + RESIDUAL_GAIN * residual[i];
                 sums = [sums[0] + f64::from(with.abs()), sums[1] + f64::from(without.abs())];
-                of_residual[i] = 0.5 * k * sign(with);
+                of_residual[i] = RESIDUAL_GAIN * k * sign(with);
                 (0..4).for_each(|c| of_warped[c * n + i] = k * shares[c] * (sign(with) + sign(without)));
             }
             (sums, of_residual, of_warped)
@@ -154,8 +154,8 @@ pub fn step(
     let of_depth: Vec<Vec<f32>> = each
         .map(|(((view, of_warped), depth), through)| {
             of_warped.iter_mut().zip(through).for_each(|(g, through)| *g += 2.0 * through);
-            let mut gradient: Vec<f32> = through[12 * p..13 * p].iter().map(|g| g / CORNER_RANGE_PX).collect();
-            view.between.warped_gradient(depth, of_warped, &mut gradient);
+            let mut gradient: Vec<f32> = through[12 * p..13 * p].iter().map(|g| g / RANGE_PX).collect();
+            warped_gradient(&view.between, depth, of_warped, &mut gradient);
             gradient
         })
         .collect();
@@ -184,7 +184,10 @@ pub fn infer(nets: [&Checkpoint; 2], batch: &Batch, config: &Config) -> Result<(
             let given = CORNERS.iter().position(|corner| *corner == view.between.layer);
             match given {
                 Some(corner) => views.extend_from_slice(view.between.corners[corner]),
-                None => views.extend(blend.iter().zip(&residual[k * n..]).map(|(b, r)| (b + 0.5 * r).clamp(0.0, 1.0))),
+                None => {
+                    let both = blend.iter().zip(&residual[k * n..]);
+                    views.extend(both.map(|(blend, r)| (blend + RESIDUAL_GAIN * r).clamp(0.0, 1.0)));
+                }
             }
             depths.extend_from_slice(&made.depths[k]);
         }

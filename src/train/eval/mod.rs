@@ -33,11 +33,11 @@ pub use command::{command, run};
 pub use error::EvalError;
 pub use model::Models;
 
+pub use plenoscope::synth::corners::CORNERS;
+
 pub use crate::field::TrueField;
 pub use crate::scenes::raster::Rgb;
 
-/// Layers of the corner views.
-pub const CORNERS: [usize; 4] = [0, 7, 56, 63];
 /// Rows and columns of the views that the depth of the reference view is swept over.
 pub const OUTER_STEPS: [usize; 4] = [0, 2, 5, 7];
 

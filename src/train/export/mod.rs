@@ -3,8 +3,10 @@
 mod onnx;
 mod verify;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use plenoscope::synth::corners::{COLOUR_FILE, RANGE_PX as CORNER_RANGE_PX};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
 
@@ -46,6 +48,8 @@ struct Manifest<'a> {
     working_long_side: usize,
     multiple_of: usize,
     disparity_range_px: [f32; 2],
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    data_files: BTreeMap<&'a str, String>,
 }
 
 /// Largest difference between the exported and the trained net that is accepted: px for a depth net, units of −1 … 1
@@ -70,49 +74,112 @@ pub fn amplify(net: &mut Checkpoint, gain: f32) -> Result<(), TrainError> {
     Ok(())
 }
 
-/// Writes `models/<id>/model.onnx` and `manifest.toml`. The file is read back with tract and compared with the trained
-/// net first; nothing is written if they differ. Returns the folder and the largest difference found.
-pub fn export(net: &Checkpoint, about: &About, models: &Path) -> Result<(PathBuf, f32), TrainError> {
-    if !matches!(net.arch.task(), Task::Depth | Task::Occlusion) {
+/// Checkpoints of one net become their mean, and those of the two nets of four corners the mean of each: the colour net comes
+/// second.
+///
+/// # Errors
+/// Nets that do not belong together.
+pub fn parted(nets: Vec<Checkpoint>) -> Result<(Checkpoint, Option<Checkpoint>), TrainError> {
+    let (colours, nets): (Vec<_>, Vec<_>) = nets.into_iter().partition(|net| net.arch == Arch::CornerColour);
+    if nets.is_empty() {
+        return Err(TrainError::HalfOfTwo);
+    }
+    let colour = if colours.is_empty() { None } else { Some(Checkpoint::mean(colours)?) };
+    let net = Checkpoint::mean(nets)?;
+    if colour.is_some() != (net.arch == Arch::CornerDisparity) {
+        return Err(TrainError::HalfOfTwo);
+    }
+    Ok((net, colour))
+}
+
+/// Writes `models/<id>/model.onnx` and `manifest.toml`, and of the nets of four corners the colour net beside them. The files are
+/// read back with tract and compared with the trained nets first; nothing is written if they differ. Returns the folder and the
+/// largest difference found.
+pub fn export(
+    net: &Checkpoint,
+    colour: Option<&Checkpoint>,
+    about: &About,
+    models: &Path,
+) -> Result<(PathBuf, f32), TrainError> {
+    if !matches!(net.arch.task(), Task::Depth | Task::Occlusion | Task::CornerDepth) {
         return Err(TrainError::NotUsable { arch: net.arch.name() });
     }
     let folder = models.join(&about.id);
-    let path = folder.join("model.onnx");
+    let (bytes, found) = checked(net, about, &folder.join("model.onnx"))?;
+    let colour = colour.map(|colour| checked(colour, about, &folder.join(COLOUR_FILE))).transpose()?;
+    let failed = |source| TrainError::File { action: "write the model", source, path: folder.clone() };
+    std::fs::create_dir_all(&folder).map_err(failed)?;
+    files::write(&folder.join("model.onnx"), &bytes, "write the model")?;
+    if let Some((bytes, _)) = &colour {
+        files::write(&folder.join(COLOUR_FILE), bytes, "write the model")?;
+    }
+    let data_files = colour.iter().map(|(bytes, _)| (COLOUR_FILE, sha256(bytes))).collect();
+    let text = manifest(net, about, sha256(&bytes), data_files)?;
+    files::write(&folder.join("manifest.toml"), text.as_bytes(), "write the manifest")?;
+    Ok((folder, colour.map_or(found, |(_, other)| found.max(other))))
+}
+
+/// The file of a net, and by how much it differs from the trained one.
+fn checked(net: &Checkpoint, about: &About, path: &Path) -> Result<(Vec<u8>, f32), TrainError> {
     let bytes = encode(&net.arch.graph(), net.best(), about.bits)?;
     let found = difference(net, &bytes, 64)?;
     let accepted = tolerance(net.arch, about.bits);
     if found.is_nan() || found > accepted {
-        return Err(TrainError::Export { difference: found, tolerance: accepted, path });
+        return Err(TrainError::Export { difference: found, tolerance: accepted, path: path.to_owned() });
     }
-    let failed = |source| TrainError::File { action: "write the model", source, path: folder.clone() };
-    std::fs::create_dir_all(&folder).map_err(failed)?;
-    files::write(&path, &bytes, "write the model")?;
-    files::write(&folder.join("manifest.toml"), manifest(net, about, &bytes)?.as_bytes(), "write the manifest")?;
-    Ok((folder, found))
+    Ok((bytes, found))
 }
 
-fn manifest(net: &Checkpoint, about: &About, bytes: &[u8]) -> Result<String, TrainError> {
-    let occlusion = net.arch == Arch::Occlusion;
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
+}
+
+fn manifest(
+    net: &Checkpoint,
+    about: &About,
+    sha256: String,
+    data_files: BTreeMap<&str, String>,
+) -> Result<String, TrainError> {
+    let task = net.arch.task();
+    let range_px = if task == Task::CornerDepth { CORNER_RANGE_PX } else { RANGE_PX };
     let manifest = Manifest {
         id: &about.id,
-        task: if occlusion { "occlusion" } else { "ray-depth" },
+        task: match task {
+            Task::Occlusion => "occlusion",
+            Task::CornerDepth => "corners",
+            _ => "ray-depth",
+        },
         file: "model.onnx",
-        sha256: Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect(),
+        sha256,
         licence: &about.licence,
         training_data: &about.training_data,
         views: [SIDE, SIDE],
-        inputs: (!occlusion).then_some(net.arch.inputs()),
+        inputs: (task == Task::Depth).then_some(net.arch.inputs()),
         working_long_side: about.working_long_side,
         multiple_of: net.arch.graph().multiple_of,
-        disparity_range_px: [-RANGE_PX, RANGE_PX],
+        disparity_range_px: [-range_px, range_px],
+        data_files,
     };
     toml::to_string(&manifest).map_err(|e| TrainError::Data { why: e.to_string() })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use plenoscope::field::View;
+    use plenoscope::job::{Cancel, Job};
+    use plenoscope::synth::ModelSource;
+    use plenoscope::synth::corners::{CORNERS, CornerNets};
+
     use super::*;
+    use crate::batch::Batch;
+    use crate::config::Config;
+    use crate::corners;
+    use crate::loss::Maps;
+    use crate::nets::VIEWS;
     use crate::rng::Rng;
+    use crate::scenes::steps;
 
     /// A net whose normalisation is not the identity.
     fn lived_in(arch: Arch) -> Checkpoint {
@@ -137,7 +204,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let net = lived_in(Arch::Tiny);
         let written = |bits| {
-            let (path, found) = export(&net, &about("tiny", bits), folder.path()).unwrap();
+            let (path, found) = export(&net, None, &about("tiny", bits), folder.path()).unwrap();
             (std::fs::metadata(path.join("model.onnx")).unwrap().len(), found)
         };
         let [(whole, _), (half, found)] = [Bits::ThirtyTwo, Bits::Sixteen].map(written);
@@ -179,7 +246,7 @@ mod tests {
         for arch in [Arch::AppearanceFlow, Arch::DirectRegression] {
             let net = lived_in(arch);
             let about = about("views", Bits::ThirtyTwo);
-            let text = export(&net, &about, folder.path()).unwrap_err().to_string();
+            let text = export(&net, None, &about, folder.path()).unwrap_err().to_string();
             assert!(text.contains(&arch.name()) && text.contains("ray depths"), "{text}");
             let found = difference(&net, &encode(&arch.graph(), net.best(), about.bits).unwrap(), 20).unwrap();
             assert!(found <= 4.0 * tolerance(arch, about.bits), "{found}");
@@ -191,10 +258,80 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         for (arch, id) in [(Arch::Tiny, "tiny"), (Arch::Occlusion, "occlusion")] {
             let about = about(id, Bits::ThirtyTwo);
-            let (path, found) = export(&lived_in(arch), &about, folder.path()).unwrap();
+            let (path, found) = export(&lived_in(arch), None, &about, folder.path()).unwrap();
             assert!(found <= tolerance(arch, about.bits), "{found}");
             let text = std::fs::read_to_string(path.join("manifest.toml")).unwrap();
             assert!(text.contains("sha256") && text.contains(&format!("id = \"{id}\"")), "{text}");
         }
+    }
+
+    #[test]
+    fn nets_of_four_corners_make_the_same_views_in_the_program() {
+        let folder = tempfile::tempdir().unwrap();
+        let nets = [lived_in(Arch::CornerDisparity), lived_in(Arch::CornerColour)];
+        let (net, colour) = parted(nets.to_vec()).unwrap();
+        let (path, _) = export(&net, colour.as_ref(), &about("four", Bits::ThirtyTwo), folder.path()).unwrap();
+        assert!(path.join(COLOUR_FILE).exists());
+        let models = [ModelSource::Folder(folder.path().to_owned())];
+        let batch = textured([24, 16]);
+        let (views, depths) = corners::infer(nets.each_ref(), &batch, &Config::default()).unwrap();
+        let given = CORNERS.map(|layer| Arc::new(view(&batch, layer)));
+        let cancel = Cancel::default();
+        let ours = CornerNets::named("four", &models, 1).unwrap();
+        let (field, rays) = ours.between(&given, &Job { cancel: &cancel, sink: &() }).unwrap();
+        let p = batch.maps.plane();
+        for layer in 0..VIEWS {
+            let made = field.view(field.grid().view_from_layer(layer));
+            for (i, pixel) in made.rgba().chunks_exact(4).enumerate() {
+                for (c, byte) in pixel[..3].iter().enumerate() {
+                    let off = (f32::from(*byte) / 255.0 - views[(layer * 3 + c) * p + i]).abs();
+                    assert!(off < 0.6 / 255.0, "view {layer}, pixel {i}: {off}");
+                }
+            }
+        }
+        assert!(rays.disparity_px().iter().zip(&depths).all(|(a, b)| (a - b).abs() < 1e-3));
+
+        std::fs::write(path.join(COLOUR_FILE), b"another").unwrap();
+        let said = CornerNets::named("four", &models, 1).err().unwrap().to_string();
+        assert!(said.contains("checksum") && said.contains(COLOUR_FILE), "{said}");
+        let said = CornerNets::named("five", &models, 1).err().unwrap().to_string();
+        assert!(said.contains("known are four"), "{said}");
+    }
+
+    #[test]
+    fn one_net_of_four_corners_without_the_other_is_refused() {
+        for nets in [vec![Arch::CornerDisparity], vec![Arch::CornerColour], vec![Arch::Tiny, Arch::CornerColour]] {
+            let told = parted(nets.into_iter().map(lived_in).collect()).err().unwrap().to_string();
+            assert!(told.contains("corner-colour.safetensors"), "{told}");
+        }
+    }
+
+    /// All views of a textured plane, in steps of 8 bits.
+    fn textured([width, height]: [usize; 2]) -> Batch {
+        let maps = Maps { samples: 1, views: (0..VIEWS).collect(), height, width };
+        let value = |x: f32, y: f32| 0.5 + 0.25 * (0.9 * x).sin() + 0.2 * (1.1 * y + 0.5 * x).cos();
+        let of = |layer: usize| {
+            let ((u, v), p) = (steps(layer), width * height);
+            (0..3 * p).map(move |i| {
+                let (x, y) = ((i % p % width) as f32, (i % p / width) as f32);
+                (value(x + 0.4 * u, y + 0.4 * v) * 255.0).round() / 255.0
+            })
+        };
+        Batch {
+            first_sample: 0,
+            views: (0..VIEWS).flat_map(of).collect(),
+            truth: vec![f32::NAN; maps.len()],
+            yx: vec![[-1.0, 1.0, -1.0, 1.0]],
+            worth: vec![1.0],
+            subjects: vec![Vec::new()],
+            maps,
+        }
+    }
+
+    fn view(batch: &Batch, layer: usize) -> View {
+        let p = batch.maps.plane();
+        let byte = |i: usize, c: usize| (batch.views[(layer * 3 + c) * p + i] * 255.0).round() as u8;
+        let rgba = (0..p).flat_map(|i| [byte(i, 0), byte(i, 1), byte(i, 2), 255]).collect();
+        View::new([batch.maps.width as u32, batch.maps.height as u32], rgba).unwrap()
     }
 }

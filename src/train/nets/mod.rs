@@ -5,6 +5,7 @@
 mod forward;
 mod weights;
 
+use plenoscope::synth::corners::{Between, RANGE_PX as CORNER_RANGE_PX};
 use serde::{Deserialize, Serialize};
 
 pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, values, zeros};
@@ -24,10 +25,6 @@ const LAST: &str = "last";
 pub const RANGE_PX: f32 = 4.0;
 /// Largest flow in px: what that ray depth moves the outermost view by.
 pub const FLOW_RANGE_PX: f32 = 16.0;
-/// Largest ray depth between four corners in px per view step: 14 px from one corner to the next.
-pub const CORNER_RANGE_PX: f32 = 2.0;
-/// Ray depths that corners are compared at, over that range: 0.6 px from one to the next at a corner.
-pub const CORNER_LEVELS: usize = 48;
 
 /// The architectures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -251,9 +248,8 @@ impl Arch {
             Self::PaperYx => paper(self, 5, RANGE_PX),
             Self::AppearanceFlow => paper(self, 3, FLOW_RANGE_PX),
             Self::DirectRegression => paper(self, 3, 1.0),
-            Self::CornerDisparity => corners(self, 2 * CORNER_LEVELS, 1, CORNER_RANGE_PX),
-            // Four corners, the ray depth, and the view's place.
-            Self::CornerColour => corners(self, 4 * 3 + 1 + 2, 3, 1.0),
+            Self::CornerDisparity => corners(self, Between::AGREEMENT_CHANNELS, 1, CORNER_RANGE_PX),
+            Self::CornerColour => corners(self, Between::COLOUR_CHANNELS, 3, 1.0),
             Self::Context => u_net(self, &[16, 32, 80, 160, 224]),
             Self::Tiny => u_net(self, &[6, 8, 8]),
             Self::Occlusion => occlusion(),

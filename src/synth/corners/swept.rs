@@ -1,18 +1,19 @@
-//! The views between four: a light field from those at its corners.
+//! The views between four without a net.
 //!
-//! In the place of Kalantari et al. 2016, whose two nets are to be trained. Depth is measured at each corner from all four
-//! ([`sweep`]) and lifted to the view that is wanted. Of the depths that the corners tell there, the nearest counts that
-//! at least two of them confirm; each corner that sees the ray's end then gives its colour, the nearer corner more of it.
+//! Depth is measured at each corner from all four ([`sweep`]) and lifted to the view that is wanted. Of the depths that the
+//! corners tell there, the nearest counts that at least two of them confirm. Each corner that sees the ray's end then gives
+//! its colour, the nearer corner more of it.
 
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
-use super::lift::lift_view;
-use super::{Signed, SynthError, sweep};
-use crate::field::{DisparityMap, LightField, RayDepths, Size, View, ViewGrid, ViewIndex, ViewOffset, ramp, sides};
+use super::given_at;
+use crate::field::{DisparityMap, LightField, RayDepths, Size, View, ViewGrid, ViewOffset, ramp, sides};
 use crate::job::Job;
+use crate::synth::lift::lift_view;
+use crate::synth::{Signed, SynthError, lambertian, sweep};
 
 /// Most disparity from one corner to the next, as a share of the width: ± 2.5 px a step at 540, seven steps.
 const WIDEST_SHARE: f32 = 7.0 * 2.5 / 540.0;
@@ -44,22 +45,12 @@ pub fn between(corners: &[Arc<View>], job: &Job) -> Result<(LightField, RayDepth
         let (colours, mut depth) = four.seen_from(place);
         depth.iter_mut().for_each(|d| *d /= steps);
         let view =
-            corner_of(grid, at).map_or_else(|| View::new(four.size, colours).map(Arc::new), |c| Ok(corners[c].clone()));
+            given_at(grid, at).map_or_else(|| View::new(four.size, colours).map(Arc::new), |c| Ok(corners[c].clone()));
         Ok((view?, depth))
     });
     let made: Vec<(Arc<View>, Vec<f32>)> = made.collect::<Result<_, SynthError>>()?;
     let (views, depths): (Vec<_>, Vec<_>) = made.into_iter().unzip();
     Ok((LightField::new(grid, views)?, RayDepths::new(grid, four.size, depths.concat())?))
-}
-
-/// Which of the given views a place of the grid is.
-fn corner_of(grid: ViewGrid, at: ViewIndex) -> Option<usize> {
-    let end = |step: u8, count: usize| match usize::from(step) {
-        0 => Some(0),
-        last if last + 1 == count => Some(1),
-        _ => None,
-    };
-    Some(2 * end(at.v, grid.rows())? + end(at.u, grid.cols())?)
 }
 
 /// The corners, and what each knows of depth: px from one corner to the next.
@@ -106,7 +97,7 @@ impl Four {
                 sum += ((seen + Vec4::ONE) * gains[c] - Vec4::ONE) * share;
                 all += share;
             }
-            let [r, g, b] = super::lambertian::encode(sum / all);
+            let [r, g, b] = lambertian::encode(sum / all);
             ([r, g, b, 255], d)
         };
         let (rgba, depth): (Vec<[u8; 4]>, Vec<f32>) = (0..w * h).map(of).unzip();
@@ -141,7 +132,7 @@ impl Four {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::between as between_pixels;
+    use crate::field::{ViewIndex, between as between_pixels};
     use crate::job::Cancel;
 
     const SIZE: [u32; 2] = [144, 108];
