@@ -908,6 +908,7 @@ heard-model-engine = Modell { $id }
 heard-model-shape = Modell { $id } passt nicht zu seinem Manifest — es antwortet mit { $got }, wo { $want } gebraucht wird — berichtigen Sie eines von beiden
 heard-model-no-map = Modell { $id } antwortet nicht mit einer Tiefenkarte — seine Antwort hat die Form { $got } — exportieren Sie es mit einem Ausgang [1, 1, H, W]
 heard-model-no-source = es gibt keine Strahltiefe von { $name } — bekannt sind { $known } — wählen Sie eine davon, oder fügen Sie das Netz hinzu
+heard-model-no-corners = es gibt keine Netze für vier Ecken namens { $name } — bekannt sind { $known } — nennen Sie keine Quelle, oder exportieren Sie solche Netze und nennen Sie ihren Ordner
 heard-model-not-finite = Modell { $id } antwortet mit Werten, die keine Zahlen sind — seine Gewichte sind beschädigt — holen Sie das Modell noch einmal
 heard-memory = das Lichtfeld braucht { $number } MiB Speicher — { $free } MiB sind frei — wählen Sie eine lange Seite von höchstens { $side } Pixeln
 heard-threads = Arbeits-Threads konnten nicht gestartet werden — { $why } — schließen Sie andere Programme, oder verwenden Sie weniger Threads

@@ -908,6 +908,7 @@ heard-model-engine = model { $id }
 heard-model-shape = model { $id } does not fit its manifest — it answers { $got } where { $want } is needed — correct one of them
 heard-model-no-map = model { $id } does not answer with one depth map — its answer has the shape { $got } — export it with one output [1, 1, H, W]
 heard-model-no-source = there is no ray depth from { $name } — known are { $known } — name one of them, or add the net with `plenoscope models add FILE.onnx`
+heard-model-no-corners = there are no nets of four corners called { $name } — known are { $known } — leave --source out, or export such nets and name their folder with --models
 heard-model-not-finite = model { $id } answers with values that are not numbers — its weights are damaged — fetch the model again
 heard-memory = the light field needs { $number } MiB of memory — { $free } MiB are free — choose a long side of { $side } pixels or less
 heard-threads = worker threads could not be started — { $why } — close other programs or use fewer threads
