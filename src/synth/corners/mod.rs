@@ -1,6 +1,6 @@
 //! The views between four: a light field from those at its corners.
 //!
-//! In the manner of Kalantari et al. 2016: [`swept`] needs no net, [`CornerNets`] are two that were trained. What these are
+//! In the manner of Kalantari et al. 2016: [`between`] needs no net, [`CornerNets`] are two that were trained. What these are
 //! given is in [`Between`], for the trainer too.
 
 mod nets;
