@@ -112,6 +112,10 @@ pub struct Config {
     /// Folder of the training data (flowers, everyday, everyday10k, photos_depth, lightfields, meshes, textures; ESLF files for the preset `paper`)
     #[arg(long, default_value = "data")]
     pub data: PathBuf,
+    /// Folder of maps that `teach` wrote, in place of those beside the photos
+    #[arg(long, value_name = "DIR")]
+    #[serde(default)]
+    pub maps: Option<PathBuf>,
     /// Folder of the run: checkpoints, config, metrics, contact sheets
     #[arg(long, default_value = "runs/everyday")]
     pub out: PathBuf,

@@ -14,6 +14,7 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
     let (width, height) = config.crop.first().copied().unwrap_or((config.long_side, config.long_side));
     Ok(scenes::Config {
         data: config.data.clone(),
+        maps: config.maps.clone(),
         long_side: config.long_side,
         crop: [width, height],
         views_per_sample: config.views,

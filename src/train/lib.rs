@@ -23,6 +23,7 @@ pub mod recorded;
 pub mod rng;
 pub mod run;
 pub mod scenes;
+mod settle;
 pub mod step;
 pub mod view_step;
 pub mod warp;

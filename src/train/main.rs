@@ -27,6 +27,7 @@ fn main() -> ExitCode {
         Some(("bench", matches)) => bench(matches),
         Some(("eval", matches)) => eval::run(matches).map(|text| print!("{text}")),
         Some(("paper", matches)) => paper(matches),
+        Some(("teach", matches)) => teach(matches),
         Some(("data", matches)) if matches.get_one::<PathBuf>("pack").is_some() => pack(matches),
         Some(("data", matches)) if matches.get_one::<PathBuf>("stats").is_some() => {
             recorded::stats::run(matches).map(|text| print!("{text}"))
@@ -60,6 +61,7 @@ fn command() -> Command {
         .subcommand(eval::command())
         .subcommand(paper::command())
         .subcommand(scenes::write::command())
+        .subcommand(scenes::teach::command())
 }
 
 fn export_command() -> Command {
@@ -156,6 +158,12 @@ fn paper(matches: &ArgMatches) -> Result<()> {
     let told = |text: &str| eprintln!("{text}");
     let report = paper::run(&asked, &stop, &told)?;
     println!("{}", report.display());
+    Ok(())
+}
+
+fn teach(matches: &ArgMatches) -> Result<()> {
+    let stop = stop_on_interrupt()?;
+    print!("{}", scenes::teach::run(matches, &stop, &|text| eprintln!("{text}"))?);
     Ok(())
 }
 

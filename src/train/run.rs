@@ -22,6 +22,7 @@ use crate::device::Place;
 use crate::eval::sheet;
 use crate::files;
 use crate::nets::{Arch, Graph, Task};
+use crate::settle::settle;
 use crate::step::{self, Report};
 use crate::view_step;
 use crate::watch::Watch;
@@ -48,6 +49,7 @@ pub const SHEET_FILE: &str = "sheet.png";
 const TILE_PX: usize = 160;
 
 /// The nets of a run.
+#[derive(Clone)]
 pub struct Nets {
     /// The net that comes first: of ray depths, or of what the paper compares them with.
     first: Option<Checkpoint>,
@@ -145,7 +147,16 @@ impl Nets {
         sheet::write_png(&path, &sheet::join(&rows, TILE_PX)).map_err(|e| TrainError::Data { why: e.to_string() })
     }
 
-    fn step(&mut self, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
+    /// The weights of the nets that another run of this stage trained.
+    pub(crate) fn take_weights(&mut self, other: Self, stage: Stage) {
+        let Self { first, second } = other;
+        let first = if stage == Stage::Occlusion { None } else { first };
+        for (net, other) in self.trained(stage).zip(first.into_iter().chain(second)) {
+            net.weights = other.weights;
+        }
+    }
+
+    pub(crate) fn step(&mut self, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
         match (config.stage, &mut self.first, &mut self.second) {
             (Stage::Depth, Some(net), _) => step::depth_step(net, &net.arch.graph(), batch, config, done),
             (Stage::Flow | Stage::Regression, Some(net), _) => view_step::step(net, batch, config, done),
@@ -217,7 +228,7 @@ pub fn train(
     let bar = progress_bar();
     let mut log = Log::new(&config.out.join(METRICS_FILE))?;
     let (started, before) = (Instant::now(), progress.secs);
-    let mut saved = Instant::now();
+    let (mut saved, mut learned) = (Instant::now(), false);
     loop {
         let done = config.secs.map_or(progress.step as f64 / config.steps.max(1) as f64, |secs| progress.secs / secs);
         if done >= 1.0 || stop.load(Ordering::Relaxed) {
@@ -228,6 +239,7 @@ pub fn train(
         log.wait_secs += waiting.elapsed().as_secs_f64();
         let report = guarded(config, || nets.step(&batch, config, done))?;
         check_numbers(&report, progress.step, config, &batch)?;
+        learned = true;
         progress.step += 1;
         progress.samples += batch.maps.samples as u64;
         progress.secs = before + started.elapsed().as_secs_f64();
@@ -251,6 +263,9 @@ pub fn train(
             }
             saved = Instant::now();
         }
+    }
+    if learned {
+        settle(&mut nets, &mut loader, config, stop)?;
     }
     nets.save(config)?;
     curves::draw(&log.path, &config.out.join(CURVES_FILE))?;

@@ -42,6 +42,12 @@ pub enum SceneError {
         /// The folder.
         path: PathBuf,
     },
+    /// No maps that nets of ours made.
+    #[error("the folder holds no maps of the photos; write them with `teach`: {}", path.display())]
+    NoMaps {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Nothing to be judged by.
     #[error("the folder holds no photos with measured depth; expected manifest.jsonl, ID.jpg and ID.nearness.png: {}", path.display())]
     NoDepth {

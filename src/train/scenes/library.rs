@@ -3,7 +3,7 @@
 //! Folders (see `manifest.jsonl` in each): `flowers/`, `everyday/` and `everyday10k/` with `split` train or val,
 //! `photos_depth/` with nearness maps of flower photos, `lightfields/`. What is marked val is read only where validation
 //! is asked for, and the two validation light fields never; a flower's nearness map is used only on the flower's own side
-//! of the split. Of photos with measured depth, whole places are kept for validation ([`PLACES_HELD_OUT`]). A file that
+//! of the split. Of photos with measured depth, whole places are kept for validation (`manifest.rs`). A file that
 //! cannot be used is told in [`Library::notes`], and the rest goes on.
 
 use std::collections::{HashMap, HashSet};
@@ -11,10 +11,10 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use rayon::prelude::*;
-use serde::Deserialize;
 
 use super::cutout::Cutout;
 use super::fields::{self, Field};
+use super::manifest::{self, Entry};
 use super::raster::{Raster, push_pull};
 use super::{Config, SceneError, Split};
 use plenoscope::field::fit_long_side;
@@ -69,60 +69,6 @@ pub struct Library {
     pub notes: Vec<String>,
 }
 
-#[derive(Deserialize)]
-struct Entry {
-    id: String,
-    #[serde(default)]
-    split: Option<Split>,
-    #[serde(default)]
-    gate: Option<String>,
-    #[serde(default)]
-    label: Option<String>,
-    #[serde(default)]
-    kind: Option<String>,
-    #[serde(default)]
-    invalid_zero: bool,
-    #[serde(default)]
-    squeezed: Option<bool>,
-}
-
-/// Places (beginnings of names in `everyday10k/`) whose measured depth is for validation alone: frames of one place are
-/// too alike to be on both sides.
-pub const PLACES_HELD_OUT: [&str; 4] = ["repl_", "rccube_", "aimsl_", "pose6d_"];
-
-/// What a map is worth that a net for rooms alone made of a room: where its maps were compared with measured ones they
-/// ordered as 0.82, those of the general teacher as 0.51.
-pub const WELL_LABELLED: f32 = 0.8;
-
-/// Photos that a source pressed into a square were mostly this much wider.
-const SQUEEZED_BY: f32 = 4.0 / 3.0;
-
-impl Entry {
-    fn split(&self) -> Split {
-        let held_out = self.is_measured() && PLACES_HELD_OUT.iter().any(|place| self.id.starts_with(place));
-        if held_out { Split::Val } else { self.split.unwrap_or(Split::Train) }
-    }
-
-    fn is_measured(&self) -> bool {
-        matches!(self.label.as_deref(), Some("sensor" | "stereo"))
-    }
-
-    /// Measured depth is the truth; a map of another net is worth what it agrees with itself.
-    fn worth(&self) -> f32 {
-        match self.gate.as_deref() {
-            _ if self.is_measured() => 1.0,
-            Some("self") if self.label.as_deref() == Some("teacher-rooms") => WELL_LABELLED,
-            Some("mask") => 0.4,
-            Some("soft") => 0.3,
-            _ => 0.6,
-        }
-    }
-
-    fn has_map(&self) -> bool {
-        self.gate.as_deref() != Some("doubtful")
-    }
-}
-
 /// One line of a manifest, told where its files lie.
 struct Item<'a> {
     id: String,
@@ -139,7 +85,16 @@ impl Library {
     /// A folder without any pictures; a light field that is none.
     pub fn load(config: &Config) -> Result<Self, SceneError> {
         let mut notes = Vec::new();
-        let manifests = FOLDERS.map(|name| manifest(&config.data.join(name), &mut notes));
+        let mut manifests = FOLDERS.map(|name| manifest::read(&config.data.join(name), &mut notes));
+        if let Some(maps) = &config.maps {
+            let taught = FOLDERS
+                .iter()
+                .zip(&mut manifests)
+                .map(|(name, entries)| manifest::take_maps(entries, &maps.join(name), &mut notes));
+            if taught.sum::<usize>() == 0 {
+                return Err(SceneError::NoMaps { path: maps.clone() });
+            }
+        }
         let items = items(&config.data, &manifests, config.split);
         let long_side = config.long_side + config.long_side / 5;
         let read: Vec<_> = items.par_iter().map(|item| read_picture(item, long_side)).collect();
@@ -164,7 +119,7 @@ impl Library {
 /// A folder without such photos.
 pub fn measured(folder: &Path, long_side: usize) -> Result<(Vec<Picture>, Vec<String>), SceneError> {
     let mut notes = Vec::new();
-    let entries = manifest(folder, &mut notes);
+    let entries = manifest::read(folder, &mut notes);
     let labelled = entries.iter().any(|entry| entry.label.is_some());
     let wanted = |entry: &&Entry| !labelled || (entry.is_measured() && entry.split() == Split::Val);
     let file = |entry: &Entry, ending: &str| folder.join(format!("{}.{ending}", entry.id));
@@ -193,26 +148,6 @@ pub fn measured(folder: &Path, long_side: usize) -> Result<(Vec<Picture>, Vec<St
 /// Folders with a manifest.
 const FOLDERS: [&str; 4] = ["flowers", "everyday", "everyday10k", "photos_depth"];
 
-/// The entries of a folder's manifest; lines that are none are told.
-fn manifest(folder: &Path, notes: &mut Vec<String>) -> Vec<Entry> {
-    let path = folder.join("manifest.jsonl");
-    if !path.exists() {
-        return Vec::new();
-    }
-    let expected = "one JSON object with an id on each line";
-    let text = std::fs::read_to_string(&path).map_err(|e| SceneError::read("manifest", &path, e, expected));
-    let text = text.unwrap_or_else(|note| {
-        notes.push(note.to_string());
-        String::new()
-    });
-    let mut entries = Vec::new();
-    for line in text.lines().filter(|line| !line.trim().is_empty()) {
-        let entry = serde_json::from_str(line).map_err(|e| SceneError::read("manifest", &path, e, expected));
-        entry.map_or_else(|note| notes.push(note.to_string()), |entry| entries.push(entry));
-    }
-    entries
-}
-
 fn items<'a>(data: &Path, [flowers, everyday, more, depth]: &'a [Vec<Entry>; 4], split: Split) -> Vec<Item<'a>> {
     let mapped: HashSet<&str> = depth.iter().map(|entry| entry.id.as_str()).collect();
     let side: HashMap<&str, Split> = flowers.iter().map(|entry| (entry.id.as_str(), entry.split())).collect();
@@ -220,7 +155,9 @@ fn items<'a>(data: &Path, [flowers, everyday, more, depth]: &'a [Vec<Entry>; 4],
         id: format!("{name}/{}", entry.id),
         photo: data.join(name).join(format!("{}.jpg", entry.id)),
         mask: data.join(name).join(format!("{}.mask.png", entry.id)),
-        nearness: nearness.map(|folder| data.join(folder).join(format!("{}.nearness.png", entry.id))),
+        nearness: nearness.map(|folder| {
+            entry.maps.clone().unwrap_or_else(|| data.join(folder)).join(format!("{}.nearness.png", entry.id))
+        }),
         entry,
     };
     let mut items = Vec::new();
@@ -243,8 +180,7 @@ fn items<'a>(data: &Path, [flowers, everyday, more, depth]: &'a [Vec<Entry>; 4],
 fn read_picture(item: &Item, long_side: usize) -> Result<Picture, SceneError> {
     let photo = read_rgb("photo", &item.photo)?;
     let native = photo.size;
-    let stretched = if item.entry.squeezed == Some(true) { SQUEEZED_BY } else { 1.0 };
-    let shape = [(native[0] as f32 * stretched) as u32, native[1] as u32];
+    let shape = item.entry.unsqueezed(native).map(|side| side as u32);
     let size = fit_long_side(shape, long_side as u32).map(|side| side as usize);
     let mask = if item.mask.exists() {
         let mask = read_gray("mask", &item.mask)?;
@@ -301,7 +237,7 @@ pub fn read_rgb(what: &'static str, path: &Path) -> Result<Raster<[f32; 3]>, Sce
     Ok(Raster { size, px: picture.pixels().map(|p| p.0.map(f32::from)).collect() })
 }
 
-fn read_gray(what: &'static str, path: &Path) -> Result<Raster<[f32; 1]>, SceneError> {
+pub(super) fn read_gray(what: &'static str, path: &Path) -> Result<Raster<[f32; 1]>, SceneError> {
     let picture = decode(what, path)?.into_luma8();
     let size = [picture.width() as usize, picture.height() as usize];
     Ok(Raster { size, px: picture.pixels().map(|p| [f32::from(p.0[0])]).collect() })

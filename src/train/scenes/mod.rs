@@ -25,6 +25,7 @@ mod fields;
 pub mod layer;
 mod library;
 mod lifted;
+mod manifest;
 mod mix;
 mod place;
 mod plants;
@@ -33,6 +34,7 @@ mod real;
 mod sample;
 mod shading;
 pub mod solid;
+pub mod teach;
 mod walls;
 pub mod write;
 
@@ -89,6 +91,8 @@ pub struct Config {
     /// The folder that holds `flowers/`, `everyday/`, `everyday10k/`, `photos_depth/`, `lightfields/`, `meshes/` and
     /// `textures/`, or some of them.
     pub data: PathBuf,
+    /// Maps of photos that take the place of those beside them, as `teach` writes them.
+    pub maps: Option<PathBuf>,
     /// Long side in pixels of the whole picture: the working scale.
     pub long_side: usize,
     /// Width and height of a sample; never larger than `long_side`.
@@ -133,6 +137,7 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             data: PathBuf::from("data"),
+            maps: None,
             long_side: 192,
             crop: [192, 144],
             views_per_sample: 5,
@@ -261,7 +266,7 @@ impl Source {
         let mapped = [
             pick(&|p| map(p) && !flower(p)),
             pick(&|p| map(p) && flower(p)),
-            pick(&|p| map(p) && (library::WELL_LABELLED..1.0).contains(&p.worth)),
+            pick(&|p| map(p) && (manifest::WELL_LABELLED..1.0).contains(&p.worth)),
             pick(&|p| p.nearness.is_some() && p.measured),
         ];
         Self { config: config.clone(), library, masked, mapped, stock: None }
