@@ -14,10 +14,12 @@ use super::field_pictures::FieldPictures;
 use super::hints::Hint;
 use super::jobs::OpenFrom;
 use super::look::{Face, Look};
+use super::lost::{Loss, Tried};
 use super::progress::now;
 use super::rest::Seen;
 use super::settings::Settings;
 use super::window::{Options, Window};
+use super::words::message;
 use super::worker::{JobId, Outbox};
 use super::{film, history, inbox, input, mending, panels, screen, spoken, theme, training, widgets};
 use crate::field::{Lens, LightField};
@@ -32,6 +34,8 @@ pub struct App {
     is_fitted: bool,
     /// Whether a frame was drawn.
     has_begun: bool,
+    /// What became of its device.
+    loss: Loss,
 }
 
 /// Letters between threads and window.
@@ -64,7 +68,35 @@ impl App {
             None => {}
         }
         log::info!("the window has its device and its parts after {:.2} s", now());
-        Self { window, events, is_fitted: false, has_begun: false }
+        Self { window, events, is_fitted: false, has_begun: false, loss: Loss::default() }
+    }
+
+    /// The window after so many devices were lost, listening for the end of this one.
+    pub(super) fn after(mut self, tried: Tried, loss: Loss, render: Option<&RenderState>, ctx: &egui::Context) -> Self {
+        if let Some(render) = render {
+            loss.watch(render, ctx);
+        }
+        if tried != Tried::None {
+            self.window.toasts.info(message!("device-lost"));
+        }
+        self.loss = loss;
+        self
+    }
+
+    /// Closes a window whose device is gone; what is open is to be opened again.
+    fn leave(&mut self, ctx: &egui::Context) {
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+
+    /// Writes the last edit: a few hundred bytes, before the threads are gone.
+    fn keep_last_edit(&mut self) {
+        match self.window.unkept().map(|keep| keep.write()) {
+            Some(Err(why)) => log::error!("{why}"),
+            Some(Ok(Some(theirs))) => {
+                log::error!("{}", history::edited_elsewhere(&theirs).in_english())
+            }
+            Some(Ok(None)) | None => {}
+        }
     }
 
     /// What is done to the picture.
@@ -248,6 +280,9 @@ impl eframe::App for App {
         while let Ok((job, event)) = self.events.try_recv() {
             inbox::take(&mut self.window, job, event, ctx);
         }
+        if self.loss.why().is_some() {
+            return self.leave(ctx);
+        }
         let Some(pictures) = &mut self.window.pictures else { return };
         pictures.is_streaming = self.window.loading.running().is_some();
         let frame = Duration::from_secs_f32(ctx.input(|input| input.unstable_dt).clamp(0.0, 0.25));
@@ -257,6 +292,10 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        // What draws panics without its device, unless there is nothing to draw.
+        if self.loss.why().is_some() {
+            return;
+        }
         let ctx = ui.ctx().clone();
         let asked = input::read(&ctx, self.window.dialog.as_ref(), self.window.open.photo().is_some());
         self.apply(asked, &ctx);
@@ -296,19 +335,23 @@ impl eframe::App for App {
         eframe::set_value(storage, eframe::APP_KEY, &self.window.settings);
     }
 
-    /// The last edit, while the window closes: a few hundred bytes, written before the threads are gone.
     fn on_exit(&mut self) {
-        match self.window.unkept().map(|keep| keep.write()) {
-            Some(Err(why)) => log::error!("{why}"),
-            Some(Ok(Some(theirs))) => {
-                log::error!("{}", history::edited_elsewhere(&theirs).in_english())
-            }
-            Some(Ok(None)) | None => {}
-        }
+        self.loss.close();
+        self.keep_last_edit();
     }
 
     /// The surround: nothing else is painted where it shows.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         theme::of(visuals).surround.to_normalized_gamma_f32()
+    }
+}
+
+impl Drop for App {
+    /// A renderer that panics without its device leaves no time for [`on_exit`](eframe::App::on_exit).
+    fn drop(&mut self) {
+        if self.loss.why().is_some() || (std::thread::panicking() && self.loss.is_why()) {
+            self.loss.remember(self.window.open.document().and_then(|document| document.subject.path.clone()));
+            self.keep_last_edit();
+        }
     }
 }

@@ -28,6 +28,7 @@ mod input;
 mod jobs;
 mod keys;
 mod look;
+mod lost;
 mod mending;
 mod near_end;
 mod neighbours;
@@ -58,7 +59,10 @@ mod words;
 mod worker;
 mod workers;
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
+
+use lost::{Loss, Tried};
 
 pub use app::App;
 pub use window::Options;
@@ -76,6 +80,11 @@ pub enum WindowError {
         "could not open the window — {0} — install a graphics driver (Vulkan, Metal or DirectX 12), or use the command line"
     )]
     Graphics(String),
+    /// The device went away again and again.
+    #[error(
+        "the graphics device was lost three times — {0} — your edit is kept; update its driver, or use the command line"
+    )]
+    Lost(String),
 }
 
 impl From<eframe::Error> for WindowError {
@@ -99,6 +108,38 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
     for file in &mut options.files {
         *file = std::path::absolute(&*file).unwrap_or_else(|_| file.clone());
     }
+    let (tried, open_before) = Tried::before();
+    if tried != Tried::None {
+        options.files = open_before.into_iter().collect();
+        options.restores_last = false;
+        // What broke was the renderer without its device; its report stays in its folder.
+        drop(options.crashes.as_deref().and_then(crate::crash::take_unseen));
+    }
+    let loss = Loss::default();
+    open(options, tried, &loss)?;
+    let Some(why) = loss.why() else { return Ok(()) };
+    let next = tried.next().ok_or_else(|| WindowError::Lost(why.clone()))?;
+    next.again(loss.open()).map_err(|error| WindowError::Lost(error.to_string()))
+}
+
+/// Opens the window once, and returns when it is closed or has lost its device.
+fn open(options: Options, tried: Tried, loss: &Loss) -> Result<(), WindowError> {
+    let native = native_options(tried);
+    let told = loss.clone();
+    let start = Box::new(move |creation: &eframe::CreationContext<'_>| {
+        let (ctx, render) = (&creation.egui_ctx, creation.wgpu_render_state.as_ref());
+        let app = App::new(options, ctx, render, creation.storage).after(tried, told, render, ctx);
+        Ok(Box::new(app) as Box<dyn eframe::App>)
+    });
+    // egui's renderer panics where a buffer cannot be had.
+    match catch_unwind(AssertUnwindSafe(|| eframe::run_native("plenoscope", native, start))) {
+        Ok(done) => Ok(done?),
+        Err(_) if loss.is_why() => Ok(()),
+        Err(panic) => resume_unwind(panic),
+    }
+}
+
+fn native_options(tried: Tried) -> eframe::NativeOptions {
     let mut native = eframe::NativeOptions {
         renderer: eframe::Renderer::Wgpu,
         // It would put noise on the photo.
@@ -115,6 +156,7 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
     if let egui_wgpu::WgpuSetup::CreateNew(setup) = &mut native.wgpu_options.wgpu_setup {
         // OpenGL is no driver that the window needs, and looking for it takes a fifth of the start.
         setup.instance_descriptor.backends = backends();
+        setup.native_adapter_selector = tried.selector();
         // The adapter's own limits: large photos and 17×17 views need more than the least that is promised everywhere.
         setup.device_descriptor = Arc::new(|adapter: &wgpu::Adapter| wgpu::DeviceDescriptor {
             label: Some("plenoscope"),
@@ -122,11 +164,7 @@ pub fn run(mut options: Options) -> Result<(), WindowError> {
             ..Default::default()
         });
     }
-    let start = Box::new(move |creation: &eframe::CreationContext<'_>| {
-        let app = App::new(options, &creation.egui_ctx, creation.wgpu_render_state.as_ref(), creation.storage);
-        Ok(Box::new(app) as Box<dyn eframe::App>)
-    });
-    Ok(eframe::run_native("plenoscope", native, start)?)
+    native
 }
 
 /// The interfaces of drivers that the window uses.

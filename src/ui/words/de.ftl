@@ -517,6 +517,7 @@ paste-no-edit = nichts einzufügen — die Zwischenablage enthält keine Bearbei
 paste-nothing = nichts einzufügen — die Zwischenablage enthält kein Bild und keinen Dateipfad — kopieren Sie zuerst ein Bild oder einen Pfad
 paste-no-answer = nichts eingefügt — die Zwischenablage des Systems antwortet nicht — öffnen Sie stattdessen die Datei
 keys-most = kein Schlüsselbild gesetzt — die Zeitleiste hat schon { $most } — entfernen Sie zuerst eines
+device-lost = Das Grafikgerät ging verloren. Das Bild und seine Bearbeitung sind wieder da.
 edited-elsewhere = Dieses Foto wurde inzwischen anderswo bearbeitet; jene Bearbeitung liegt unter { $name }
 edit-not-kept = die Bearbeitung liegt nicht neben dem Foto — { $why } — kopieren Sie das Foto in einen eigenen Ordner, oder schalten Sie dies in den Einstellungen ab
 left-as-it-was = { $name } ist schon da und blieb, wie es ist

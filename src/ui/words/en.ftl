@@ -517,6 +517,7 @@ paste-no-edit = nothing to paste — the clipboard holds no edit — copy one fr
 paste-nothing = nothing to paste — the clipboard holds no picture and no path of a file — copy a picture or a path first
 paste-no-answer = could not paste — the system's clipboard does not answer — open the file instead
 keys-most = no key is added — the timeline has { $most } already — remove one first
+device-lost = The graphics device was lost. Your picture and its edit are back.
 edited-elsewhere = This photo was edited elsewhere meanwhile; that edit is kept as { $name }
 edit-not-kept = the edit is not kept beside the photo — { $why } — copy the photo to a folder of yours, or turn this off in the settings
 left-as-it-was = { $name } is there already and was left as it is
