@@ -168,3 +168,27 @@ fn views_of_a_part_of_the_grid_are_those_of_the_whole() {
         assert!(some.view(at) == all.view(at) && some_rays.view(at) == rays.view(at), "{at:?}");
     }
 }
+
+#[test]
+fn fog_of_wide_gaussians_fills_no_tile_without_end() {
+    let gaussian = |z: f32| Gaussian {
+        center: Vec3::new(0.0, 0.0, z),
+        scale: Vec3::splat(100.0),
+        rotation: Quat::IDENTITY,
+        opacity: 0.005,
+    };
+    // Farthest first, so that the order of the file is not what keeps the nearest.
+    let count = 20_000;
+    let mut cloud = Cloud::with_room(0, count, Blend::Encoded);
+    (0..count).for_each(|i| cloud.push(gaussian(1.0 + (count - i) as f32 * 1e-3), &[[0.1; 3]]));
+    let camera = Camera::at_origin(40.0, [40, 30]);
+    let rig = Rig { camera, step: 0.0, zero: 0.0, near: 0.01 };
+    let tiles = with_job(|job| Tiles::seen(&cloud, &Shot::view(rig, Vec2::ZERO), job));
+    for tile in 0..6 {
+        let kept = tiles.of_tile(tile);
+        assert_eq!(kept.len(), 8192);
+        assert!(kept.iter().all(|number| (*number as usize) >= count - 8192));
+    }
+    let shown = with_job(|job| put_together(&tiles, job));
+    assert!(shown.cover.iter().all(|cover| *cover > 0.999), "so many keep off all light");
+}

@@ -11,6 +11,14 @@ use crate::job::{Cancelled, Job};
 /// Side of a tile, in pixels.
 pub(super) const TILE: usize = 16;
 
+/// The most ellipses that a tile keeps, the nearest: hardly any light comes through so many. All tiles together keep
+/// fewer where they are many, so that a scene of fog, or a damaged one, takes neither minutes nor gigabytes.
+const MOST: usize = 8192;
+const LEAST: usize = 1024;
+const TOGETHER: usize = 1 << 27;
+/// Ellipses between two looks at the cancel flag.
+const LOOK_AFTER: usize = 1024;
+
 /// Which ellipses each tile of a picture shows, nearest first.
 #[derive(Debug)]
 pub struct Tiles {
@@ -34,12 +42,10 @@ impl Tiles {
     pub(super) fn seen(cloud: &Cloud, shot: &Shot, job: &Job) -> Result<Self, Cancelled> {
         let ellipses = project(cloud, shot);
         job.check()?;
-        let tiles = Self::of(ellipses, shot.rig.camera.size);
-        job.check()?;
-        Ok(tiles)
+        Self::of(ellipses, shot.rig.camera.size, job)
     }
 
-    fn of(ellipses: Vec<Ellipse>, size: Size) -> Self {
+    fn of(ellipses: Vec<Ellipse>, size: Size, job: &Job) -> Result<Self, Cancelled> {
         let counts = sides(size).map(|side| side.div_ceil(TILE));
         let mut order: Vec<u64> = ellipses
             .par_iter()
@@ -55,12 +61,22 @@ impl Tiles {
             };
             (range(at.x - reach.x, at.x + reach.x, counts[0]), range(at.y - reach.y, at.y + reach.y, counts[1]))
         };
-        let mut starts = vec![0u32; counts[0] * counts[1] + 1];
-        for key in &order {
-            let (columns, rows) = touched(*key as u32);
-            for row in rows {
-                starts[row * counts[0]..][columns.start..columns.end].iter_mut().for_each(|count| *count += 1);
+        let tiles = counts[0] * counts[1];
+        let most = (TOGETHER / tiles.max(1)).clamp(LEAST, MOST) as u32;
+        // How many each tile keeps; once all are full, what lies behind is seen nowhere.
+        let (mut starts, mut open) = (vec![0u32; tiles + 1], tiles);
+        let mut seen = 0;
+        while seen < order.len() && open > 0 {
+            if seen.is_multiple_of(LOOK_AFTER) {
+                job.check()?;
             }
+            let (columns, rows) = touched(order[seen] as u32);
+            for tile in rows.flat_map(|row| columns.clone().map(move |column| row * counts[0] + column)) {
+                let kept = &mut starts[tile];
+                open -= usize::from(*kept + 1 == most);
+                *kept = (*kept + 1).min(most);
+            }
+            seen += 1;
         }
         let mut sum = 0;
         for start in &mut starts {
@@ -68,17 +84,20 @@ impl Tiles {
         }
         let mut next = starts.clone();
         let mut numbers = vec![0; sum as usize];
-        for key in &order {
+        for (i, key) in order[..seen].iter().enumerate() {
+            if i.is_multiple_of(LOOK_AFTER) {
+                job.check()?;
+            }
             let number = *key as u32;
             let (columns, rows) = touched(number);
-            for row in rows {
-                for next in &mut next[row * counts[0]..][columns.start..columns.end] {
-                    numbers[*next as usize] = number;
-                    *next += 1;
+            for tile in rows.flat_map(|row| columns.clone().map(move |column| row * counts[0] + column)) {
+                if next[tile] < starts[tile + 1] {
+                    numbers[next[tile] as usize] = number;
+                    next[tile] += 1;
                 }
             }
         }
-        Self { size, across: counts[0], ellipses, starts, numbers }
+        Ok(Self { size, across: counts[0], ellipses, starts, numbers })
     }
 
     /// The numbers of one tile's ellipses.
