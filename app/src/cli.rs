@@ -15,7 +15,7 @@ use plenoscope::synth::Scale;
 use crate::burst_args::Burst;
 use crate::embed_args::EmbedArgs;
 use crate::stereo_args::StereoArgs;
-use crate::values::{self, KeepSharp, Pair, Size};
+use crate::values::{self, KeepSharp, KnownLength, Pair, Size};
 
 /// Turns a photo into a light field, to look into and to refocus.
 #[derive(Debug, Parser)]
@@ -305,6 +305,9 @@ pub struct LensArgs {
     /// How far away what is in focus is, such as 0.6m or 60cm: with it the lens reads in metres (see --json)
     #[arg(long, value_name = "DISTANCE", value_parser = values::distance)]
     pub distance: Option<f32>,
+    /// How long something in the photo is, by the pixels of its ends: 120,80..300,90=20cm. Tells the same as --distance
+    #[arg(long, value_name = "X,Y..X,Y=LENGTH", conflicts_with = "distance")]
+    pub length: Option<KnownLength>,
     /// Open as wide as this lens does, at --f-number of its own: one of the lenses that `plenoscope lenses` lists, or a
     /// TOML file
     #[arg(long, value_name = "LENS", value_parser = values::known_lens, conflicts_with = "lens")]

@@ -78,6 +78,27 @@ impl FromStr for KeepSharp {
     }
 }
 
+/// Something of the photo whose length is known, `X,Y..X,Y=20cm`: its ends as pixels of the upright photo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownLength {
+    /// Where it begins and ends.
+    pub ends: [Pair; 2],
+    /// How long it is.
+    pub metres: f32,
+}
+
+impl FromStr for KnownLength {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = || "two pixels and the length between them are wanted, like 120,80..300,90=20cm".to_owned();
+        let (ends, length) = text.rsplit_once('=').ok_or_else(wanted)?;
+        let (from, to) = ends.split_once("..").ok_or_else(wanted)?;
+        let end = |text: &str| text.parse().map_err(|_no_pixel: String| wanted());
+        Ok(Self { ends: [end(from)?, end(to)?], metres: length_in_metres(length)? })
+    }
+}
+
 /// `--keep-sharp A B C` as three times `--keep-sharp`: an option that takes several values would swallow what follows it.
 pub fn spread(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
     const NAME: &str = "--keep-sharp";
@@ -111,11 +132,19 @@ pub fn known_lens(text: &str) -> Result<KnownLens, String> {
     found.ok_or_else(|| format!("there is no such lens — name one of {}, or a TOML file", names.join(", ")))
 }
 
-/// A distance in metres: 0.6m, 60cm, 600mm.
-pub fn distance(text: &str) -> Result<f32, String> {
+/// A length: 0.6m, 60cm, 600mm.
+fn length_in_metres(text: &str) -> Result<f32, String> {
     let units = [("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("m", 1.0), ("", 1.0)];
     let (digits, unit) = units.iter().find_map(|(name, m)| Some((text.strip_suffix(name)?, *m))).unwrap_or((text, 1.0));
     let metres = number(digits.trim())? * unit;
+    let is_one = (1e-4..=1e4).contains(&metres);
+    is_one.then_some(metres).ok_or_else(|| "a length from 0.1mm to 10km is wanted, like 20cm".to_owned())
+}
+
+/// A distance in metres: 0.6m, 60cm, 600mm.
+pub fn distance(text: &str) -> Result<f32, String> {
+    let metres =
+        length_in_metres(text).map_err(|_other| "a distance from 1cm to 10km is wanted, like 0.6m".to_owned())?;
     let [least, most] = DISTANCES_M;
     let is_one = (least..=most).contains(&metres);
     is_one.then_some(metres).ok_or_else(|| "a distance from 1cm to 10km is wanted, like 0.6m".to_owned())

@@ -57,6 +57,18 @@ impl Stereo {
     }
 }
 
+/// A line over something whose length a person knows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Measure {
+    /// None is asked for.
+    #[default]
+    Off,
+    /// The next drag draws it.
+    Asked,
+    /// Its ends, places of the photo from 0 to 1.
+    Over([[f32; 2]; 2]),
+}
+
 /// How the picture is looked at: what of it changes nothing but that.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
@@ -72,6 +84,10 @@ pub struct Look {
     pub stereo: Stereo,
     /// The ring that the hand holds, of what is kept sharp.
     pub held_ring: Option<usize>,
+    /// The line over something of a known length.
+    pub measure: Measure,
+    /// Whether the hand draws it.
+    pub is_measuring: bool,
     /// Place in the picture (0 to 1) that cross-hairs and epipolar images go through.
     pub probe: Vec2,
     /// The disparity under the pointer.
@@ -95,6 +111,8 @@ impl Default for Look {
             split: Split { is_shown: false, at: 0.5, is_held: false },
             stereo: Stereo::Off,
             held_ring: None,
+            measure: Measure::Off,
+            is_measuring: false,
             probe: Vec2::splat(0.5),
             hovered_px: None,
             is_circling: false,
@@ -110,6 +128,7 @@ impl Look {
     pub fn begin(&mut self) {
         let whole = Self::default();
         (self.face, self.pose, self.probe, self.is_circling) = (whole.face, whole.pose, whole.probe, false);
+        self.measure = Measure::Off;
     }
 
     /// Zooms about the canvas's middle.

@@ -9,7 +9,7 @@ use plenoscope::scene::sharp::Places;
 use plenoscope::scene::{Edit, Focus, Scene};
 
 use crate::cli::LensArgs;
-use crate::values::KeepSharp;
+use crate::values::{KeepSharp, KnownLength};
 
 /// What the arguments ask for.
 pub fn asked(args: &LensArgs) -> LensAsked {
@@ -74,6 +74,9 @@ pub fn further(args: &LensArgs, mut edit: Edit, scene: &Scene, picture_width: u3
     if let Some(metres) = args.distance {
         edit = scene.with_distance(&edit, Some(metres));
     }
+    if let Some(length) = args.length {
+        edit = of_length(scene, &edit, length)?;
+    }
     if scene.goes_through(&edit) == Some(false) {
         job.sink.warning("no plane goes through these places: a band of depths keeps them sharp".to_owned());
     }
@@ -84,6 +87,16 @@ pub fn further(args: &LensArgs, mut edit: Edit, scene: &Scene, picture_width: u3
         }
         None => Ok(edit),
     }
+}
+
+/// The edit with the distance of something of a known length.
+fn of_length(scene: &Scene, edit: &Edit, KnownLength { ends, metres }: KnownLength) -> Result<Edit> {
+    let size = scene.subject().size();
+    let ends = [place([ends[0].0, ends[0].1], size)?, place([ends[1].0, ends[1].1], size)?];
+    let Some(known) = scene.with_length(edit, ends, metres) else {
+        bail!(Usage("the length has no length — its two pixels are the same, or nearly — name its ends".to_owned()));
+    };
+    Ok(known)
 }
 
 /// Opens as a lens does: at the f-number of its own that was typed, else all the way.

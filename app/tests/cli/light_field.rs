@@ -206,8 +206,18 @@ fn places_are_kept_sharp_and_the_lens_is_told() {
     let known = refocus("known.png", &["--focus", "514,340", "--distance", "60cm", "--sensor", "mft"]);
     assert!((known["real_lens"]["focus_m"].as_f64().unwrap() - 0.6).abs() < 1e-3, "{known}");
     assert_eq!(known["real_lens"]["format"], "Micro Four Thirds");
+    let long = refocus("long.png", &["--focus", "514,340", "--length", "504,340..524,340=12mm"]);
+    let width = image::image_dimensions(dir.path("long.png")).unwrap().0;
+    // 20 px of the picture's width, behind 28 mm on 36 mm of film.
+    let metres = 0.012 * 28.0 / 36.0 * f64::from(width) / 20.0;
+    assert!((long["real_lens"]["focus_m"].as_f64().unwrap() - metres).abs() < 0.01 * metres, "{long} for {metres}");
     for wrong in [
-        &["--keep-sharp", "1,1", "2,2", "3,3", "4,4"][..],
+        &["--length", "504,340..504,340=1m"][..],
+        &["--length", "504,340..9999,340=1m"],
+        &["--length", "504,340..524,340=long"],
+        &["--length", "504,340=1m"],
+        &["--length", "504,340..524,340=1m", "--distance", "2m"],
+        &["--keep-sharp", "1,1", "2,2", "3,3", "4,4"],
         &["--keep-sharp", "1,1", "--keep-sharp", "-0.2..0.2"],
         &["--keep-sharp", "10,10", "--focus", "5,5"],
         &["--keep-sharp", "9999,1"],

@@ -41,6 +41,8 @@ pub const FORMATS: [Format; 5] = [
 const CONFUSION_MM: f32 = 0.03;
 /// Part of the scene's depth by which a thing of known distance must lie before the far end.
 const LEAST_DEPTH: f32 = 0.05;
+/// Places of a known length are at least so far apart, in pixels of the photo.
+const LEAST_LENGTH_PX: f32 = 4.0;
 /// Distances that can be given, in metres.
 pub const DISTANCES_M: [f32; 2] = [0.01, 10_000.0];
 
@@ -146,6 +148,31 @@ impl Scene {
     /// The edit with the distance of what it focuses on.
     pub fn with_distance(&self, edit: &Edit, metres: Option<f32>) -> Edit {
         Edit { distance: metres.map(|metres| Distance { of: edit.focus, metres }), ..edit.clone() }
+    }
+
+    /// The edit with the distance of something whose length is known: `ends` are places of the photo, x and y from 0 to 1. A
+    /// thing of length `L` that is `ℓ` long in the photo lies at `L·f/ℓ`, where it lies straight before the camera; `f` is the
+    /// photo's focal length, or the usual one. None where the ends are too near to each other.
+    pub fn with_length(&self, edit: &Edit, ends: [[f32; 2]; 2], metres: f32) -> Option<Edit> {
+        let metres = self.lengths_per_distance(ends)?.recip() * metres;
+        let [from, to] = ends;
+        let middle = [0, 1].map(|axis| (from[axis] + to[axis]) / 2.0);
+        let distance = Distance { of: Focus::At(middle), metres: metres.clamp(DISTANCES_M[0], DISTANCES_M[1]) };
+        Some(Edit { distance: Some(distance), ..edit.clone() })
+    }
+
+    /// How long something between two places is whose distance was given by [`with_length`](Self::with_length), in metres.
+    pub fn length_of(&self, edit: &Edit, ends: [[f32; 2]; 2]) -> Option<f32> {
+        Some(self.lengths_per_distance(ends)? * edit.distance?.metres)
+    }
+
+    /// Length over distance of what lies between two places of the photo.
+    fn lengths_per_distance(&self, [from, to]: [[f32; 2]; 2]) -> Option<f32> {
+        let [w, h] = self.subject().size().map(|side| side as f32);
+        let pixels = ((to[0] - from[0]) * w).hypot((to[1] - from[1]) * h);
+        let focal =
+            focal_of(self).or(self.metric().map(|metric| metric.f35_mm)).unwrap_or(USUAL_F35_MM) / 1000.0 / FILM_M;
+        (pixels >= LEAST_LENGTH_PX).then_some(pixels / w.max(h) / focal)
     }
 
     /// Disparity of what a focus means, as a share of the width at strength 1.

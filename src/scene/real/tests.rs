@@ -138,3 +138,18 @@ fn odd_numbers_make_no_odd_readings() {
     let flat = DisparityMap::constant([4, 4], 0.0);
     assert_eq!(crate::scene::focus::ends(&flat), [0.0; 2]);
 }
+
+#[test]
+fn the_length_of_a_thing_tells_how_far_it_is() {
+    let scene = scene(false, Some(50.0), 1.0);
+    let [w, h] = scene.subject().size().map(|side| side as f32);
+    // A tenth of the longer side, upright: 3.6 mm of film behind 50 mm show 20 cm at 2.78 m.
+    let half = 0.05 * w.max(h) / h;
+    let ends = [[0.5, 0.5 - half], [0.5, 0.5 + half]];
+    let known = scene.with_length(&edit(2.0), ends, 0.2).unwrap();
+    assert!((known.distance.unwrap().metres - 0.2 * 50.0 / 3.6).abs() < 1e-3, "{:?}", known.distance);
+    assert!((scene.length_of(&known, ends).unwrap() - 0.2).abs() < 1e-4);
+    let reading = scene.reading(&Edit { focus: Focus::At([0.5, 0.5]), ..known }, FULL_FRAME, 1000);
+    assert!(reading.scale == Scale::Given && is_near(reading.focus_m, 0.2 * 50.0 / 3.6, 1e-2), "{reading:?}");
+    assert!(scene.with_length(&edit(2.0), [[0.5, 0.5]; 2], 0.2).is_none(), "a point has no length");
+}

@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, CursorIcon, Key, PointerButton, Pos2, Rect, Response, Sense, Ui, Vec2, pos2, vec2};
 
+use super::measure;
 use crate::field::{ViewOffset, ViewPoint};
 use crate::render::gpu::Draw;
 use crate::scene::export::Settings;
@@ -51,6 +52,7 @@ pub fn show(mut shown: Canvas, ui: &mut Ui, canvas: Rect) {
     paint(&mut shown, ui, canvas, rect);
     cross_hairs(&shown, ui, canvas, turned);
     rings(&shown, ui, canvas, turned);
+    measure::show(shown.look.measure, ui, canvas, turned);
     read_out(&shown, ui, canvas, size);
 }
 
@@ -74,6 +76,14 @@ fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect
     let Canvas { open, edit, look, picture_width, .. } = shown;
     let rect = turned(open, edit, look.pose.screen_rect(canvas, size));
     let is_pan = ui.input(|input| input.key_down(Key::Space));
+    let in_photo = |at: Pos2| {
+        let [x, y] = ((at - rect.min) / rect.size()).into();
+        let (view, rays) = open.nearest_view(edit.viewpoint).zip(open.rays())?;
+        Some(rays.place_in_reference(view, [x.clamp(0.0, 1.0), y.clamp(0.0, 1.0)]))
+    };
+    if measure::drag(look, ui, response, in_photo) {
+        return;
+    }
     let has_photo = open.photo().is_some();
     if response.hover_pos().is_some_and(|at| has_photo && is_on_split(&look.split, at, canvas)) {
         ui.set_cursor_icon(CursorIcon::ResizeHorizontal);

@@ -19,6 +19,7 @@ use crate::scene::trust::{Invented, USUAL_LIMIT};
 use crate::ui::action::Action;
 use crate::ui::command::Command;
 use crate::ui::field_pictures::{FieldPictures, Slot};
+use crate::ui::look::Look;
 use crate::ui::mending::Mending;
 use crate::ui::open::Open;
 use crate::ui::rays::Survey;
@@ -36,8 +37,8 @@ pub struct Inspector<'a> {
     pub open: &'a Open,
     /// Lens and viewpoint.
     pub edit: &'a mut Edit,
-    /// Whether the viewpoint goes round.
-    pub is_circling: &'a mut bool,
+    /// Whether the viewpoint goes round, and the line over something of a known length.
+    pub look: &'a mut Look,
     /// Colours and marks.
     pub settings: &'a mut Settings,
     /// Where ray depths come from, and can.
@@ -56,8 +57,7 @@ pub struct Inspector<'a> {
 
 /// Draws the inspector.
 pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
-    let Inspector { open, edit, is_circling, settings, sources, lenses, mut pictures, mending, repairs, histogram } =
-        shown;
+    let Inspector { open, edit, look, settings, sources, lenses, mut pictures, mending, repairs, histogram } = shown;
     let all = ui.max_rect();
     let strip = Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max);
     let body = Rect::from_min_max(all.min, pos2(all.right(), strip.top()));
@@ -81,8 +81,13 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                 if let Some(grid) = open.grid() {
                     let trust = open.invented().map(|invented| (invented, limit));
                     let width = open.rays().map_or(1, |rays| rays.depths.size()[0]) as f32 * open.strength().0;
-                    let eye =
-                        Eye { grid, at: &mut edit.viewpoint, pivot: (&mut edit.pivot, width), is_circling, trust };
+                    let eye = Eye {
+                        grid,
+                        at: &mut edit.viewpoint,
+                        pivot: (&mut edit.pivot, width),
+                        is_circling: &mut look.is_circling,
+                        trust,
+                    };
                     actions.extend(viewpoint(eye, open.rays().map(|rays| &*rays.survey), ui));
                 }
                 actions.extend(ray_depths(open, edit.viewpoint, &mut settings.colormap, pictures.as_deref_mut(), ui));
@@ -95,7 +100,7 @@ pub fn show(shown: Inspector, ui: &mut Ui) -> Vec<Action> {
                     super::histogram::show(counted, ui);
                 }
                 if let Some(scene) = open.scene() {
-                    actions.extend(real_lens::show(RealLens { scene, edit, settings, lenses }, ui));
+                    actions.extend(real_lens::show(RealLens { scene, edit, look, settings, lenses }, ui));
                 }
                 glass::show(&mut edit.glass, ui);
             });

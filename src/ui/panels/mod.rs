@@ -12,6 +12,7 @@ mod hint;
 mod histogram;
 mod inspector;
 mod many;
+mod measure;
 mod mend;
 mod near_end;
 mod opening;
@@ -194,10 +195,10 @@ fn inspector(window: &mut Window, ui: &mut Ui) -> Vec<Action> {
     let Window { open, edit, look, pictures, settings, models, lenses, mending, repairs, rest, photo, .. } = window;
     let of_photo = photo.as_ref().and_then(|photo| photo.histogram());
     let histogram = if edit.shows_photo_itself() { of_photo } else { rest.histogram().or(of_photo) };
-    let (pictures, is_circling) = (pictures.as_mut(), &mut look.is_circling);
+    let pictures = pictures.as_mut();
     let sources = Sources { looked_at: source, all: sources, nets: models };
     inspector::show(
-        Inspector { open, edit, is_circling, settings, sources, lenses, pictures, mending, repairs, histogram },
+        Inspector { open, edit, look, settings, sources, lenses, pictures, mending, repairs, histogram },
         ui,
     )
 }

@@ -5,10 +5,15 @@ use egui::{RichText, Ui};
 use crate::scene::real::{DISTANCES_M, FORMATS, Format, KnownLens, Scale};
 use crate::scene::{Edit, Scene};
 use crate::ui::action::Action;
+use crate::ui::look::{Look, Measure};
 use crate::ui::settings::Settings;
 use crate::ui::theme;
 use crate::ui::widgets::{self, Number};
 use crate::ui::words::{self, Message, heard, id, message, t};
+
+/// Lengths that can be given, and the one that a new line has where no distance is known, in metres.
+const LENGTHS_M: [f32; 2] = [0.0005, 1000.0];
+const USUAL_LENGTH_M: f32 = 0.2;
 
 /// What the section shows and sets.
 pub struct RealLens<'a> {
@@ -16,6 +21,8 @@ pub struct RealLens<'a> {
     pub scene: &'a Scene,
     /// Aperture, shape, and the distance that is known.
     pub edit: &'a mut Edit,
+    /// The line over something of a known length.
+    pub look: &'a mut Look,
     /// The sensor.
     pub settings: &'a mut Settings,
     /// Lenses that can be taken.
@@ -30,7 +37,7 @@ pub fn title(scene: &Scene, edit: &Edit, settings: &Settings) -> String {
 
 /// Draws it.
 pub fn show(shown: RealLens, ui: &mut Ui) -> Option<Action> {
-    let RealLens { scene, edit, settings, lenses } = shown;
+    let RealLens { scene, edit, look, settings, lenses } = shown;
     let format = settings.sensor.min(FORMATS.len() - 1);
     let (mut chosen, mut action) = (format, None);
     let width = scene.picture_size(settings.export.picture.size)[0];
@@ -46,6 +53,10 @@ pub fn show(shown: RealLens, ui: &mut Ui) -> Option<Action> {
                 ui.label(RichText::new(heard(&line)).small().color(colors.weak));
             }
             distance(ui, scene, edit, reading.focus_m.filter(|_| reading.scale != Scale::Relative));
+            length(ui, scene, edit, look);
+            if edit.distance.is_some() && widgets::link(ui, t!("distance-forget")).clicked() {
+                (edit.distance, look.measure) = (None, Measure::Off);
+            }
             action = lens_menu(ui, scene, edit, lenses, &FORMATS[format]);
         },
     );
@@ -87,8 +98,47 @@ fn distance(ui: &mut Ui, scene: &Scene, edit: &mut Edit, known: Option<f32>) {
     if widgets::number(ui, &mut metres, &spec) {
         *edit = scene.with_distance(edit, Some(metres));
     }
-    if edit.distance.is_some() && widgets::link(ui, t!("distance-forget")).clicked() {
-        edit.distance = None;
+}
+
+/// The length of something that a line is drawn over: its distance follows.
+fn length(ui: &mut Ui, scene: &Scene, edit: &mut Edit, look: &mut Look) {
+    let ends = match look.measure {
+        Measure::Off => {
+            if widgets::link(ui, t!("length-give")).on_hover_text(t!("length-tip")).clicked() {
+                look.measure = Measure::Asked;
+            }
+            return;
+        }
+        Measure::Asked => {
+            ui.label(RichText::new(t!("length-draw")).small().color(theme::palette(ui.ctx()).accent));
+            return;
+        }
+        Measure::Over(ends) => ends,
+    };
+    if edit.distance.is_none()
+        && !look.is_moving
+        && let Some(proposed) = scene.with_length(edit, ends, USUAL_LENGTH_M)
+    {
+        *edit = proposed;
+    }
+    let mut metres = scene.length_of(edit, ends).unwrap_or(USUAL_LENGTH_M);
+    let spec = Number {
+        label: t!("length"),
+        range: LENGTHS_M,
+        speed: 0.005 * metres,
+        decimals: 3,
+        prefix: "",
+        suffix: t!("suffix-m"),
+        reset: metres,
+        hint: t!("length-hint"),
+    };
+    if widgets::number(ui, &mut metres, &spec)
+        && let Some(known) = scene.with_length(edit, ends, metres)
+    {
+        *edit = known;
+    }
+    if widgets::link(ui, t!("length-done")).clicked() {
+        look.measure = Measure::Off;
     }
 }
 
