@@ -308,8 +308,7 @@ pub struct LensArgs {
     /// How long something in the photo is, by the pixels of its ends: 120,80..300,90=20cm. Tells the same as --distance
     #[arg(long, value_name = "X,Y..X,Y=LENGTH", conflicts_with = "distance")]
     pub length: Option<KnownLength>,
-    /// Open as wide as this lens does, at --f-number of its own: one of the lenses that `plenoscope lenses` lists, or a
-    /// TOML file
+    /// Open as wide as this lens does, at --f-number of its own: one that `plenoscope lenses` lists, or a TOML file
     #[arg(long, value_name = "LENS", value_parser = values::known_lens, conflicts_with = "lens")]
     pub as_lens: Option<KnownLens>,
     /// How much clipped lights are brightened before they are blurred, 0 to 1; by default 0

@@ -187,7 +187,8 @@ fn no_text_stands_in_the_code_of_the_window() {
     // Names that are the same in every language.
     let names = ["Plenoscope", "{} — Plenoscope", "WebM", "WebP"];
     let mut texts = Vec::new();
-    for file in files("src/ui", &["icon.rs", "words"]) {
+    // What `lost.rs` says is for the log and the terminal: there is no window then.
+    for file in files("src/ui", &["icon.rs", "lost.rs", "words"]) {
         let squeezed: String = file.code.split_whitespace().collect();
         for (number, string) in file.strings.iter().enumerate() {
             let (before, _) = squeezed.split_once(&format!("\"{number}\"")).unwrap();
