@@ -1,5 +1,7 @@
 //! What a long computation needs from its caller: a way to be stopped and someone to tell.
 
+mod alone;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -29,7 +29,9 @@ const CARRIED: &str = "inside";
 /// [`OpenError`], which names the file and the reason in one sentence.
 pub fn open(path: &Path, job: &Job) -> Result<Opened, OpenError> {
     job.advance(Stage::Open, 0, 1)?;
-    let opened = open_path(path, job).map_err(OpenError::at(Some(path)))?;
+    let own = path.to_owned();
+    // Decoders look at no flag.
+    let opened = job.alone(move |job| open_path(&own, job))?.map_err(OpenError::at(Some(path)))?;
     job.advance(Stage::Open, 1, 1)?;
     Ok(opened)
 }
