@@ -321,6 +321,8 @@ impl Config {
             lr_end: 1.0,
             weight_decay: 0.0,
             clip: 0.0,
+            // No average follows it: a run that is stopped is used with statistics that lag ten steps, not fifty.
+            momentum: 0.1,
             average: 0.0,
             ..self
         }

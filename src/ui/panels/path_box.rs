@@ -13,6 +13,18 @@ use crate::ui::jobs::OpenFrom;
 use crate::ui::words::{message, t};
 use crate::ui::{theme, widgets};
 
+/// What such a path looks like.
+fn example(wanted: PathFor) -> &'static str {
+    match wanted {
+        PathFor::Open | PathFor::Export => "/home/me/photo.jpg",
+        PathFor::DepthMap => "/home/me/depth.png",
+        PathFor::Opening => "/home/me/opening.png",
+        PathFor::Models => "/home/me/models",
+        PathFor::Net => "/home/me/net.onnx",
+        PathFor::LightFields => "/home/me/light-fields",
+    }
+}
+
 /// Draws the box.
 pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
@@ -34,8 +46,7 @@ pub fn show(wanted: PathFor, text: &mut String, ctx: &Context) -> Vec<Action> {
         ui.label(RichText::new(title).font(theme::title(16.0)).color(colors.strong));
         let line = t!("path-ask", what = what);
         ui.label(RichText::new(line).color(colors.weak));
-        let edit =
-            ui.add(egui::TextEdit::singleline(text).hint_text("/home/me/photo.jpg").desired_width(f32::INFINITY));
+        let edit = ui.add(egui::TextEdit::singleline(text).hint_text(example(wanted)).desired_width(f32::INFINITY));
         edit.request_focus();
         let is_enter = ui.input(|input| input.key_pressed(egui::Key::Enter));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
