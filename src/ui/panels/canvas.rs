@@ -77,9 +77,8 @@ fn look_and_focus(shown: &mut Canvas, ui: &Ui, response: &Response, canvas: Rect
     let rect = turned(open, edit, look.pose.screen_rect(canvas, size));
     let is_pan = ui.input(|input| input.key_down(Key::Space));
     let in_photo = |at: Pos2| {
-        let [x, y] = ((at - rect.min) / rect.size()).into();
-        let (view, rays) = open.nearest_view(edit.viewpoint).zip(open.rays())?;
-        Some(rays.place_in_reference(view, [x.clamp(0.0, 1.0), y.clamp(0.0, 1.0)]))
+        let place = (at - rect.min) / rect.size();
+        in_reference(open, edit, place.clamp(Vec2::ZERO, Vec2::splat(1.0)))
     };
     if measure::drag(look, ui, response, in_photo) {
         return;
@@ -133,8 +132,13 @@ fn place_at(open: &Open, edit: &Edit, look: &mut Look, at: Pos2, rect: Rect) -> 
         return None;
     }
     look.probe = place;
+    in_reference(open, edit, place)
+}
+
+/// The place of the reference view that a place of the view at the eye's shows.
+pub fn in_reference(open: &Open, edit: &Edit, place: Vec2) -> Option<[f32; 2]> {
     let (view, rays) = open.nearest_view(edit.viewpoint).zip(open.rays())?;
-    Some(rays.place_in_reference(view, [place.x, place.y]))
+    Some(rays.place_in_reference(view, place.into()))
 }
 
 /// Focuses on what is under a point of the screen.

@@ -43,11 +43,7 @@ pub fn show(shown: Repairing, ui: &mut Ui, canvas: Rect) -> Option<Action> {
     let rect = look.pose.screen_rect(canvas, size);
     canvas::probe(open, edit, look, &response, rect);
     let painter = ui.painter_at(canvas.intersect(rect));
-    let place = |at: Pos2| {
-        let at = (at - rect.min) / rect.size();
-        let view = open.nearest_view(edit.viewpoint)?;
-        Some(rays.place_in_reference(view, [at.x, at.y]))
-    };
+    let place = |at: Pos2| canvas::in_reference(open, edit, (at - rect.min) / rect.size());
     let range = rays.survey.range_px.map(|px| px / open.strength().0);
     let at = response.interact_pointer_pos().or(response.hover_pos());
     let done = match at.and_then(place) {
