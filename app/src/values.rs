@@ -95,7 +95,7 @@ impl FromStr for KnownLength {
         let (ends, length) = text.rsplit_once('=').ok_or_else(wanted)?;
         let (from, to) = ends.split_once("..").ok_or_else(wanted)?;
         let end = |text: &str| text.parse().map_err(|_no_pixel: String| wanted());
-        Ok(Self { ends: [end(from)?, end(to)?], metres: length_in_metres(length)? })
+        Ok(Self { ends: [end(from)?, end(to)?], metres: self::length(length)? })
     }
 }
 
@@ -132,19 +132,23 @@ pub fn known_lens(text: &str) -> Result<KnownLens, String> {
     found.ok_or_else(|| format!("there is no such lens — name one of {}, or a TOML file", names.join(", ")))
 }
 
-/// A length: 0.6m, 60cm, 600mm.
-fn length_in_metres(text: &str) -> Result<f32, String> {
+/// A number with a unit of length, or metres: 0.6m, 60cm, 600mm.
+fn in_metres(text: &str) -> Result<f32, String> {
     let units = [("mm", 1e-3), ("cm", 1e-2), ("km", 1e3), ("m", 1.0), ("", 1.0)];
     let (digits, unit) = units.iter().find_map(|(name, m)| Some((text.strip_suffix(name)?, *m))).unwrap_or((text, 1.0));
-    let metres = number(digits.trim())? * unit;
+    Ok(number(digits.trim())? * unit)
+}
+
+/// A length in metres.
+fn length(text: &str) -> Result<f32, String> {
+    let metres = in_metres(text)?;
     let is_one = (1e-4..=1e4).contains(&metres);
     is_one.then_some(metres).ok_or_else(|| "a length from 0.1mm to 10km is wanted, like 20cm".to_owned())
 }
 
 /// A distance in metres: 0.6m, 60cm, 600mm.
 pub fn distance(text: &str) -> Result<f32, String> {
-    let metres =
-        length_in_metres(text).map_err(|_other| "a distance from 1cm to 10km is wanted, like 0.6m".to_owned())?;
+    let metres = in_metres(text)?;
     let [least, most] = DISTANCES_M;
     let is_one = (least..=most).contains(&metres);
     is_one.then_some(metres).ok_or_else(|| "a distance from 1cm to 10km is wanted, like 0.6m".to_owned())

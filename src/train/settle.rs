@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::TrainError;
 use crate::batch::Loader;
 use crate::config::Config;
-use crate::run::Nets;
+use crate::run::{Nets, guarded};
 
 /// Batches that the statistics are taken from.
 const BATCHES: u16 = 24;
@@ -30,7 +30,8 @@ pub fn settle(nets: &mut Nets, loader: &mut Loader, config: &Config, stop: &Atom
         // A step that learns nothing; each batch moves the mean by its share.
         let momentum = 1.0 / (f32::from(batch) + 1.0);
         let still = Config { lr: 0.0, momentum, drop: 0.0, blank: 0.0, drop_yx: 0.0, ..config.clone() };
-        trial.step(&loader.next_batch()?, &still, 1.0)?;
+        let batch = loader.next_batch()?;
+        guarded(config, || trial.step(&batch, &still, 1.0))?;
     }
     nets.take_weights(trial, config.stage);
     Ok(())

@@ -83,11 +83,6 @@ impl App {
         self
     }
 
-    /// Closes a window whose device is gone; what is open is to be opened again.
-    fn leave(&mut self, ctx: &egui::Context) {
-        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-    }
-
     /// Writes the last edit: a few hundred bytes, before the threads are gone.
     fn keep_last_edit(&mut self) {
         match self.window.unkept().map(|keep| keep.write()) {
@@ -281,7 +276,8 @@ impl eframe::App for App {
             inbox::take(&mut self.window, job, event, ctx);
         }
         if self.loss.why().is_some() {
-            return self.leave(ctx);
+            // What is open is to be opened again.
+            return ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
         let Some(pictures) = &mut self.window.pictures else { return };
         pictures.is_streaming = self.window.loading.running().is_some();

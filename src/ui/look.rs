@@ -65,7 +65,9 @@ pub enum Measure {
     Off,
     /// The next drag draws it.
     Asked,
-    /// Its ends, places of the photo from 0 to 1.
+    /// The hand draws it: its ends, places of the photo from 0 to 1.
+    Drawn([[f32; 2]; 2]),
+    /// It is there.
     Over([[f32; 2]; 2]),
 }
 
@@ -86,8 +88,6 @@ pub struct Look {
     pub held_ring: Option<usize>,
     /// The line over something of a known length.
     pub measure: Measure,
-    /// Whether the hand draws it.
-    pub is_measuring: bool,
     /// Place in the picture (0 to 1) that cross-hairs and epipolar images go through.
     pub probe: Vec2,
     /// The disparity under the pointer.
@@ -112,7 +112,6 @@ impl Default for Look {
             stereo: Stereo::Off,
             held_ring: None,
             measure: Measure::Off,
-            is_measuring: false,
             probe: Vec2::splat(0.5),
             hovered_px: None,
             is_circling: false,

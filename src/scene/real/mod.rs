@@ -170,8 +170,7 @@ impl Scene {
     fn lengths_per_distance(&self, [from, to]: [[f32; 2]; 2]) -> Option<f32> {
         let [w, h] = self.subject().size().map(|side| side as f32);
         let pixels = ((to[0] - from[0]) * w).hypot((to[1] - from[1]) * h);
-        let focal =
-            focal_of(self).or(self.metric().map(|metric| metric.f35_mm)).unwrap_or(USUAL_F35_MM) / 1000.0 / FILM_M;
+        let focal = told_focal_of(self).unwrap_or(USUAL_F35_MM) / 1000.0 / FILM_M;
         (pixels >= LEAST_LENGTH_PX).then_some(pixels / w.max(h) / focal)
     }
 
@@ -197,7 +196,7 @@ struct Optics {
 impl Optics {
     fn of(scene: &Scene, edit: &Edit) -> Self {
         let measured = scene.metric();
-        let told = focal_of(scene).or(measured.map(|metric| metric.f35_mm));
+        let told = told_focal_of(scene);
         let [w, h] = scene.subject().size().map(|side| side as f32);
         let given = edit.distance.and_then(|distance| given(scene, measured, &distance));
         Self {
@@ -225,6 +224,11 @@ impl Optics {
 /// Focal length on full frame that the photo's file says, if it can be one: some say 0.
 fn focal_of(scene: &Scene) -> Option<f32> {
     scene.subject().f35_mm().filter(|mm| (F35_MM[0]..=F35_MM[1]).contains(mm))
+}
+
+/// The same, or what the source of depth says.
+fn told_focal_of(scene: &Scene) -> Option<f32> {
+    focal_of(scene).or(scene.metric().map(|metric| metric.f35_mm))
 }
 
 /// Metres from one distance: those of the source brought to it, else with what lies farthest very far away. None for what

@@ -85,19 +85,16 @@ fn distance(ui: &mut Ui, scene: &Scene, edit: &mut Edit, known: Option<f32>) {
         }
         return;
     };
-    let spec = Number {
-        label: t!("distance"),
-        range: DISTANCES_M,
-        speed: 0.005 * metres,
-        decimals: 2,
-        prefix: "",
-        suffix: t!("suffix-m"),
-        reset: metres,
-        hint: t!("distance-hint"),
-    };
-    if widgets::number(ui, &mut metres, &spec) {
+    if in_metres(ui, &mut metres, (t!("distance"), t!("distance-hint")), DISTANCES_M, 2) {
         *edit = scene.with_distance(edit, Some(metres));
     }
+}
+
+/// A number of metres with what it is called and means; whether it was changed.
+fn in_metres(ui: &mut Ui, metres: &mut f32, (label, hint): (&str, &str), range: [f32; 2], decimals: usize) -> bool {
+    let (speed, reset) = (0.005 * *metres, *metres);
+    let spec = Number { label, range, speed, decimals, prefix: "", suffix: t!("suffix-m"), reset, hint };
+    widgets::number(ui, metres, &spec)
 }
 
 /// The length of something that a line is drawn over: its distance follows.
@@ -113,26 +110,16 @@ fn length(ui: &mut Ui, scene: &Scene, edit: &mut Edit, look: &mut Look) {
             ui.label(RichText::new(t!("length-draw")).small().color(theme::palette(ui.ctx()).accent));
             return;
         }
-        Measure::Over(ends) => ends,
+        Measure::Drawn(ends) | Measure::Over(ends) => ends,
     };
     if edit.distance.is_none()
-        && !look.is_moving
+        && matches!(look.measure, Measure::Over(_))
         && let Some(proposed) = scene.with_length(edit, ends, USUAL_LENGTH_M)
     {
         *edit = proposed;
     }
     let mut metres = scene.length_of(edit, ends).unwrap_or(USUAL_LENGTH_M);
-    let spec = Number {
-        label: t!("length"),
-        range: LENGTHS_M,
-        speed: 0.005 * metres,
-        decimals: 3,
-        prefix: "",
-        suffix: t!("suffix-m"),
-        reset: metres,
-        hint: t!("length-hint"),
-    };
-    if widgets::number(ui, &mut metres, &spec)
+    if in_metres(ui, &mut metres, (t!("length"), t!("length-hint")), LENGTHS_M, 3)
         && let Some(known) = scene.with_length(edit, ends, metres)
     {
         *edit = known;
