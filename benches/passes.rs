@@ -59,14 +59,21 @@ fn view(bencher: Bencher) {
 #[divan::bench(args = [14.0, 7.0, 3.5])]
 fn refocus(bencher: Bencher, f_number: f32) {
     let lens = Lens { f_number: FNumber(f_number), ..Lens::default() };
-    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: false });
+    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: false, is_strewn: false });
 }
 
 /// What is drawn under the hand on a software device.
 #[divan::bench(args = [14.0, 7.0, 3.5])]
 fn refocus_draft(bencher: Bencher, f_number: f32) {
     let lens = Lens { f_number: FNumber(f_number), ..Lens::default() };
-    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: true });
+    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: true, is_strewn: false });
+}
+
+/// The same where copies would be seen.
+#[divan::bench(args = [14.0, 7.0, 3.5])]
+fn refocus_strewn(bencher: Bencher, f_number: f32) {
+    let lens = Lens { f_number: FNumber(f_number), ..Lens::default() };
+    time(bencher, |at| Draw::Refocus { lens: lens.clone(), center: eye(at), is_draft: true, is_strewn: true });
 }
 
 #[divan::bench]

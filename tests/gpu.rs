@@ -83,7 +83,10 @@ fn check_all(gpu: &Gpu, grid: ViewGrid) {
         let lens = Lens { f_number: FNumber(f), focus, keep_sharp_px: [-keep, keep], ..Lens::default() };
         let center = ViewPoint(ViewOffset { dv: 0.25, du: -0.5 });
         let want = cpu::refocus_with_depths(&field, Some(&depths), &lens, center);
-        compare(gpu, &texture, "refocus", Draw::Refocus { lens, center, is_draft: false }, &want);
+        let strewn = cpu::refocus_strewn(&field, &depths, &lens, center);
+        let draw = |is_strewn| Draw::Refocus { lens: lens.clone(), center, is_draft: false, is_strewn };
+        compare(gpu, &texture, "refocus", draw(false), &want);
+        compare(gpu, &texture, "refocus, strewn", draw(true), &strewn);
     }
     for (dv, du) in [(0.0, 0.0), (-1.3, 0.6)] {
         let point = ViewPoint(ViewOffset { dv, du });
@@ -121,7 +124,7 @@ fn a_picture_is_right_while_views_arrive() {
     let reference = field.grid().reference();
     texture.push_view(reference, field.reference());
     assert!(!texture.upload_some(&gpu, plenoscope::render::gpu::Budget::default()));
-    let draw = Draw::Refocus { lens: Lens::default(), center: ViewPoint::default(), is_draft: false };
+    let draw = Draw::Refocus { lens: Lens::default(), center: ViewPoint::default(), is_draft: false, is_strewn: false };
     // One view has arrived, so the widest lens shows that view at its full light.
     compare(&gpu, &texture, "one view", draw, &cpu::view(&field, ViewPoint::default()));
 }

@@ -119,6 +119,35 @@ fn lines_of_an_epi_lean_by_the_disparity() {
 }
 
 #[test]
+fn strewn_views_show_no_copies_where_the_gaps_between_them_are_wide() {
+    let stripes = |x: f32, y: f32, du: f32, _dv: f32| {
+        let at = x + 4.0 * du + 0.3 * y;
+        let value = if at.rem_euclid(60.0) < 30.0 { 255 } else { 0 };
+        ([value, value, value, 255], 4.0)
+    };
+    let (field, depths) = scene(ViewGrid::PAPER, [96, 64], stripes);
+    let lens = Lens { shape: LensShape::Square, ..lens(3.5, 0.0) };
+    let center = ViewPoint::default();
+    // The truth has eyes everywhere in the opening, from 4½ views to the left to 3½ to the right.
+    let truth = Picture::from_fn([96, 64], |x, y| {
+        let eyes = (0..256).map(|i| stripes(x as f32, y as f32, (i as f32 + 0.5) / 32.0 - 4.5, 0.0).0[0]);
+        [eyes.map(|value| f32::from(value) / 255.0).sum::<f32>() / 256.0; 3]
+    });
+    let error = |picture: &Picture| {
+        let pairs = inner(picture, 20).into_iter().zip(inner(&truth, 20));
+        pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
+    };
+    let copies = cpu::refocus_with_depths(&field, Some(&depths), &lens, center);
+    let strewn = cpu::refocus_strewn(&field, &depths, &lens, center);
+    assert!(error(&strewn) < 0.4 * error(&copies), "{} {}", error(&strewn), error(&copies));
+
+    let sharp = Lens { focus: FocalPlane { disparity_px: 4.0, ..FocalPlane::default() }, ..lens };
+    let copies = cpu::refocus_with_depths(&field, Some(&depths), &sharp, center);
+    let strewn = cpu::refocus_strewn(&field, &depths, &sharp, center);
+    Approx::Close.check("what is in focus", &strewn.rgb_linear, &copies.rgb_linear);
+}
+
+#[test]
 fn what_is_kept_sharp_is_sharp_beside_the_focal_plane() {
     let (field, depths) = plane(ViewGrid::PAPER, SIZE, 1.0);
     let wide = Lens { keep_sharp_px: [0.0, 1.2], ..lens(3.5, 0.0) };

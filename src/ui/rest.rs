@@ -2,7 +2,7 @@
 //!
 //! A lens wider than the light field has no draft of views, nor has a scene so deep that copies would be seen beside each
 //! other: there the lens renderer follows the hand itself, at the size of a view, one picture after the other as fast as
-//! they come.
+//! they come. Where the eye moves, which views follow faster, grain takes the place of the copies.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -117,6 +117,12 @@ impl AtRest {
         let is_elsewhere = |have: &RestKey| have.edit.viewpoint != seen.edit.viewpoint;
         let eye_moves = self.have(self.generation).is_none_or(is_elsewhere) && grid.spans(seen.edit.f_number);
         !eye_moves && !scene.views_draft(seen.edit, self.nth)
+    }
+
+    /// Whether copies would be seen beside each other in a draft of views, of a picture that has none.
+    pub fn has_copies(&self, seen: &Seen) -> bool {
+        let is_true = |scene: &Scene| scene.sums_views(seen.edit, OutputSize::Photo);
+        seen.open.scene().is_some_and(|scene| !is_true(scene) && !scene.views_draft(seen.edit, self.nth))
     }
 
     /// How bright the last picture of the light field is that was drawn.

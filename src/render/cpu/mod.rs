@@ -9,7 +9,9 @@ mod view;
 pub use colormap::Colormap;
 pub use depth::{depth, depth_map};
 pub use epi::epi;
-pub use refocus::{refocus, refocus_with_depths};
+#[cfg(feature = "ui")]
+pub(crate) use refocus::STREWN_PIECES;
+pub use refocus::{refocus, refocus_strewn, refocus_with_depths};
 #[cfg(feature = "ui")]
 pub(crate) use view::{HALF_TRUST_PX, SEARCH_STEPS};
 pub use view::{view, view_with_depths};

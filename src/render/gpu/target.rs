@@ -5,12 +5,13 @@ use super::uniforms::{Depth, Epi, MAX_TAPS, Refocus, Tap, Viewpoint};
 use super::{FieldTexture, Gpu};
 use crate::field::{EpiLine, Lens, ViewGrid, ViewIndex, ViewPoint};
 use crate::render::aperture;
-use crate::render::cpu::Colormap;
+use crate::render::cpu::{Colormap, STREWN_PIECES};
 
 /// What a picture shows; also the key by which it is drawn again.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Draw {
-    /// Twin of [`cpu::refocus_with_depths`](crate::render::cpu::refocus_with_depths).
+    /// Twin of [`cpu::refocus_with_depths`](crate::render::cpu::refocus_with_depths), strewn of
+    /// [`cpu::refocus_strewn`](crate::render::cpu::refocus_strewn).
     Refocus {
         /// The lens.
         lens: Lens,
@@ -18,6 +19,8 @@ pub enum Draw {
         center: ViewPoint,
         /// Takes every second view only: a draft while something moves on a slow device.
         is_draft: bool,
+        /// Whether eyes between the views count too, by the ray depths: a draft whose copies would be seen.
+        is_strewn: bool,
     },
     /// Twin of [`cpu::view_with_depths`](crate::render::cpu::view_with_depths).
     View(ViewPoint),
@@ -122,8 +125,8 @@ impl Target {
     fn write_uniform<'a>(&self, gpu: &'a Gpu, field: &FieldTexture, draw: &Draw) -> Option<&'a pass::Pass> {
         let write = |bytes: &[u8]| gpu.queue.write_buffer(&self.uniform, 0, bytes);
         match *draw {
-            Draw::Refocus { ref lens, center, is_draft } => {
-                let uniform = refocus_uniform(field, lens, center, is_draft)?;
+            Draw::Refocus { ref lens, center, is_draft, is_strewn } => {
+                let uniform = refocus_uniform(field, lens, center, [is_draft, is_strewn])?;
                 write(bytemuck::bytes_of(&uniform));
                 Some(&gpu.refocus)
             }
@@ -158,7 +161,8 @@ impl Target {
     }
 }
 
-fn refocus_uniform(field: &FieldTexture, lens: &Lens, center: ViewPoint, is_draft: bool) -> Option<Refocus> {
+fn refocus_uniform(field: &FieldTexture, lens: &Lens, center: ViewPoint, draft: [bool; 2]) -> Option<Refocus> {
+    let [is_draft, is_strewn] = draft;
     let grid = field.grid();
     let zero = grid.reference();
     let in_draft = |at: ViewIndex| (at.u + zero.u).is_multiple_of(2) && (at.v + zero.v).is_multiple_of(2);
@@ -172,12 +176,22 @@ fn refocus_uniform(field: &FieldTexture, lens: &Lens, center: ViewPoint, is_draf
     let mut taps = [Tap::default(); MAX_TAPS];
     taps.iter_mut().zip(&parts).for_each(|(tap, part)| *tap = Tap::new(part, grid));
     let nearest = grid.nearest(center.0);
+    let can_be_strewn = is_strewn && parts.iter().all(|part| field.has_depth(part.view));
     Some(Refocus {
         focus: [lens.focus.disparity_px, lens.focus.tilt_px[0], lens.focus.tilt_px[1]],
         count: parts.len() as u32,
         keep_sharp: [lens.keep_sharp_px[0].min(0.0), lens.keep_sharp_px[1].max(0.0)],
         depth_layer: grid.layer_from_view(nearest) as u32,
         has_depths: u32::from(field.has_depth(nearest)),
+        strewn: if !can_be_strewn {
+            0.0
+        } else if is_draft {
+            2.0
+        } else {
+            1.0
+        },
+        pieces: if is_draft { 1 } else { STREWN_PIECES },
+        pad: [0; 2],
         taps,
     })
 }

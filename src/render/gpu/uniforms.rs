@@ -43,6 +43,12 @@ pub struct Refocus {
     pub depth_layer: u32,
     /// 1 where there are ray depths.
     pub has_depths: u32,
+    /// Steps between the views that each tap is strewn over, 0: none.
+    pub strewn: f32,
+    /// Pieces of a tap that is strewn, along each axis.
+    pub pieces: u32,
+    /// Padding to 16 bytes.
+    pub pad: [u32; 2],
     /// Views and their shares.
     pub taps: [Tap; MAX_TAPS],
 }
@@ -118,8 +124,9 @@ mod tests {
     #[test]
     fn sizes_and_offsets_are_those_of_wgsl() {
         assert_eq!(size_of::<Tap>(), 16);
-        assert_eq!((size_of::<Refocus>(), offset_of!(Refocus, keep_sharp)), (32 + 289 * 16, 16));
-        assert_eq!((offset_of!(Refocus, has_depths), offset_of!(Refocus, taps)), (28, 32));
+        assert_eq!((size_of::<Refocus>(), offset_of!(Refocus, keep_sharp)), (48 + 289 * 16, 16));
+        assert_eq!((offset_of!(Refocus, has_depths), offset_of!(Refocus, strewn)), (28, 32));
+        assert_eq!(offset_of!(Refocus, taps), 48);
         assert_eq!((size_of::<Viewpoint>(), offset_of!(Viewpoint, taps)), (80, 16));
         assert_eq!(size_of::<Epi>(), 32);
         assert_eq!((size_of::<Depth>(), offset_of!(Depth, powers)), (128, 16));

@@ -260,7 +260,8 @@ fn paint_eye(shown: &mut Canvas, edit: &Edit, slot: Slot, painter: &egui::Painte
     } else {
         // Of a photo the lens renderer's picture comes anyway.
         let is_draft = pictures.is_software() && (shown.look.is_moving || shown.open.photo().is_some());
-        Draw::Refocus { lens, center: viewpoint, is_draft }
+        let is_strewn = shown.rest.has_copies(&Seen { open: shown.open, edit: &edit, look: shown.look });
+        Draw::Refocus { lens, center: viewpoint, is_draft, is_strewn }
     };
     let rect = turned(shown.open, &edit, rect);
     if let Some(id) = pictures.show(slot, draw) {
