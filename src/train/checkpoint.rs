@@ -62,6 +62,13 @@ impl Checkpoint {
         Self { arch, adam: AdamW::new(&weights), weights, average: None, progress: Progress::default() }
     }
 
+    /// A run's start from this net: as `arch` where that holds this net, else as it is.
+    pub fn begin(&self, arch: Arch, seed: u64) -> Self {
+        let grown = self.best().grown(&arch.graph(), seed).map(|weights| (arch, weights));
+        let (arch, weights) = grown.unwrap_or_else(|| (self.arch, self.best().clone()));
+        Self { arch, adam: AdamW::new(&weights), weights, average: None, progress: Progress::default() }
+    }
+
     /// The weights to be used: their average, where one is kept.
     pub fn best(&self) -> &Weights {
         self.average.as_ref().unwrap_or(&self.weights)
@@ -231,6 +238,19 @@ mod tests {
         checkpoint.save(&path, Moments::Without).unwrap();
         let loaded = Checkpoint::load(&path).unwrap();
         assert_eq!((&loaded.weights, loaded.adam), (&checkpoint.weights, AdamW::new(&checkpoint.weights)));
+    }
+
+    #[test]
+    fn a_run_begins_as_the_larger_net_that_is_asked_for_if_that_holds_its_start() {
+        let mut small = Checkpoint::new(Arch::Tiny, 3);
+        small.progress.step = 17;
+        let larger = small.begin(Arch::TinyDeep, 4);
+        assert_eq!((larger.arch, larger.progress.step), (Arch::TinyDeep, 0));
+        for arch in [Arch::Tiny, Arch::Paper, Arch::Context] {
+            let same = small.begin(arch, 4);
+            assert_eq!((same.arch, &same.weights), (Arch::Tiny, &small.weights), "{arch:?} holds no other net");
+        }
+        assert_eq!(larger.begin(Arch::Tiny, 4).arch, Arch::TinyDeep, "a net never shrinks");
     }
 
     #[test]

@@ -122,7 +122,7 @@ pub struct Config {
     /// What is trained
     #[arg(long, value_enum, default_value_t = Stage::Depth)]
     pub stage: Stage,
-    /// The depth net
+    /// The depth net; one that holds the net of --init begins as that, with more to learn
     #[arg(long, value_enum, default_value_t = Arch::Context)]
     pub net: Arch,
     /// Long side in px of the pictures that samples are cut from

@@ -61,8 +61,7 @@ impl Nets {
     /// Fresh nets, or those that `--init` and `--depth-from` name.
     pub fn start(config: &Config) -> Result<Self, TrainError> {
         let open = |path: &Option<PathBuf>, arch: Arch| match path {
-            Some(path) => load(path, arch.task())
-                .map(|c| Checkpoint { weights: c.best().clone(), ..Checkpoint::new(c.arch, config.seed) }),
+            Some(path) => load(path, arch.task()).map(|from| from.begin(arch, config.seed)),
             None => Ok(Checkpoint::new(arch, config.seed)),
         };
         match config.stage {
@@ -274,7 +273,10 @@ pub fn train(
 }
 
 /// A step, whose panic is an error where a graphics device can run out of memory.
-fn guarded(config: &Config, step: impl FnOnce() -> Result<Report, TrainError>) -> Result<Report, TrainError> {
+pub(crate) fn guarded(
+    config: &Config,
+    step: impl FnOnce() -> Result<Report, TrainError>,
+) -> Result<Report, TrainError> {
     if config.device == Place::Cpu {
         return step();
     }

@@ -143,7 +143,7 @@ impl Writer {
             ints("pads", vec![0; 2 * self.rank]),
         ];
         let z = self.node("Conv", &[&padded, &weight_name, &bias_name], &format!("{name}.conv"), attributes);
-        Ok(match conv.end {
+        let said = match conv.end {
             End::NormElu => self.node("Elu", &[&z], &format!("{name}.elu"), vec![float("alpha", 1.0)]),
             End::Tanh { scale } => {
                 let y = self.node("Tanh", &[&z], &format!("{name}.tanh"), vec![]);
@@ -151,7 +151,8 @@ impl Writer {
                 self.floats(&factor, &[], &[scale]);
                 self.node("Mul", &[&y, &factor], &format!("{name}.scaled"), vec![])
             }
-        })
+        };
+        Ok(if conv.added { self.node("Add", &[&said, from], &format!("{name}.sum"), vec![]) } else { said })
     }
 
     fn pad(&mut self, from: &str, name: &str, margins: &[i64]) -> String {

@@ -94,7 +94,8 @@ impl<'a> Tape<'a> {
                 Node::Input => x.clone(),
                 Node::Conv(from, conv) => {
                     let y = self.conv2(conv, done[*from].clone(), rows.as_deref())?;
-                    if area <= coarse && conv.end == End::NormElu { self.thinned(y) } else { y }
+                    let y = if area <= coarse && conv.end == End::NormElu { self.thinned(y) } else { y };
+                    if conv.added { y + done[*from].clone() } else { y }
                 }
                 Node::Pool(from) => ops::pool(done[*from].clone(), self.path),
                 Node::UpConcat(low, skip) => ops::up_concat(done[*low].clone(), done[*skip].clone(), self.path),
@@ -240,6 +241,28 @@ impl Weights {
 mod tests {
     use super::*;
     use crate::nets::Arch;
+
+    #[test]
+    fn a_larger_net_begins_as_the_one_it_holds_and_learns_more() {
+        let [small, large] = [Arch::Tiny, Arch::TinyDeep].map(Arch::graph);
+        let own = Weights::random(&small, 1);
+        let grown = own.grown(&large, 2).unwrap();
+        assert!(grown.trained_values() > own.trained_values());
+        let picture: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
+        let depths = |weights: &Weights, graph: &Graph| {
+            let mut tape = Tape::new(weights, Mode::Train, Path::Own).unwrap();
+            let x = tape.input(picture.clone(), [1, 5, 16, 16]);
+            let y = tape.run2(graph, x, None).unwrap();
+            let gradients = y.clone().abs().sum().backward();
+            (values(y), tape.finish_step(&gradients).0)
+        };
+        let (before, (after, gradients)) = (depths(&own, &small).0, depths(&grown, &large));
+        assert_eq!(before, after);
+        let moves =
+            |(at, g): &(usize, Vec<f32>)| grown.tensors[*at].name.contains("_more") && g.iter().any(|g| g.abs() > 0.0);
+        assert!(gradients.iter().any(moves), "what is added has no gradient");
+        assert!(grown.grown(&small, 2).is_none(), "a net never shrinks");
+    }
 
     #[test]
     fn left_out_channels_are_zero_and_the_others_make_up_for_them() {

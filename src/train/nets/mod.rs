@@ -21,6 +21,8 @@ pub const SIDE: usize = 8;
 pub const REFERENCE: usize = 36;
 /// Name of the last layer, whose rows are a depth net's views.
 const LAST: &str = "last";
+/// Channels of the everyday nets, from full size to a sixteenth.
+const CONTEXT_WIDTHS: [usize; 5] = [16, 32, 80, 160, 224];
 /// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
 pub const RANGE_PX: f32 = 4.0;
 /// Largest flow in px: what that ray depth moves the outermost view by.
@@ -36,8 +38,13 @@ pub enum Arch {
     PaperYx,
     /// A U-Net that sees the whole picture, with coordinates: the everyday model.
     Context,
+    /// The same with further convolutions at each level, what they say added to what they read: it begins as `Context`.
+    ContextDeep,
     /// A U-Net of a few channels, for tests.
     Tiny,
+    /// The same with such further convolutions.
+    #[value(skip)]
+    TinyDeep,
     /// The paper's 3-D occlusion net (§4.3).
     Occlusion,
     /// The paper's depth net with two maps a view: the flow to the right and down by which the photo becomes the view
@@ -111,6 +118,8 @@ pub struct Conv {
     pub dilation: usize,
     /// How it ends.
     pub end: End,
+    /// Whether what it says is added to what it reads. Such a convolution begins silent (γ = 0).
+    pub added: bool,
 }
 
 /// A node of a net. Numbers are indices of earlier nodes.
@@ -163,8 +172,18 @@ impl Builder {
     /// Adds a convolution of the last node.
     fn conv(&mut self, name: &str, outputs: usize, dilation: usize, end: End) -> usize {
         let from = self.last();
-        let conv = Conv { name: name.to_owned(), inputs: self.channels[from], outputs, dilation, end };
+        let conv = Conv { name: name.to_owned(), inputs: self.channels[from], outputs, dilation, end, added: false };
         self.push(Node::Conv(from, conv), outputs)
+    }
+
+    /// Adds convolutions of as many channels whose results are added to what they read.
+    fn refine(&mut self, name: &str, dilations: &[usize]) {
+        for (i, &dilation) in dilations.iter().enumerate() {
+            let (from, name) = (self.last(), format!("{name}_more{i}"));
+            let width = self.channels[from];
+            let conv = Conv { name, inputs: width, outputs: width, dilation, end: End::NormElu, added: true };
+            self.push(Node::Conv(from, conv), width);
+        }
     }
 
     fn pool(&mut self) -> usize {
@@ -194,8 +213,9 @@ fn paper(arch: Arch, inputs: usize, scale: f32) -> Graph {
 }
 
 /// A U-Net: two convolutions a level, mean pooling down, nearest pixel up, skips joined by concatenation; the
-/// deepest level looks further with dilations 1, 2, 4, so that every pixel sees the whole picture.
-fn u_net(arch: Arch, widths: &[usize]) -> Graph {
+/// deepest level looks further with dilations 1, 2, 4, so that every pixel sees the whole picture. `further` convolutions
+/// follow at the deepest level, half as many on the way up from it.
+fn u_net(arch: Arch, widths: &[usize], further: usize) -> Graph {
     let mut net = Builder::new(5);
     let mut skips = Vec::new();
     let deepest = widths.len() - 1;
@@ -207,6 +227,9 @@ fn u_net(arch: Arch, widths: &[usize]) -> Graph {
         for (i, &dilation) in dilations.iter().enumerate() {
             net.conv(&format!("down{level}_{i}"), width, dilation, End::NormElu);
         }
+        if level == deepest {
+            net.refine("deepest", &[1, 2].repeat(further / 2));
+        }
         skips.push(net.last());
     }
     for level in (0..deepest).rev() {
@@ -214,6 +237,7 @@ fn u_net(arch: Arch, widths: &[usize]) -> Graph {
         for i in 0..2 {
             net.conv(&format!("up{level}_{i}"), widths[level], 1, End::NormElu);
         }
+        net.refine(&format!("up{level}"), &vec![1; further / 2]);
     }
     net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
     net.finish(arch, 2, 1 << deepest)
@@ -250,8 +274,10 @@ impl Arch {
             Self::DirectRegression => paper(self, 3, 1.0),
             Self::CornerDisparity => corners(self, Between::AGREEMENT_CHANNELS, 1, CORNER_RANGE_PX),
             Self::CornerColour => corners(self, Between::COLOUR_CHANNELS, 3, 1.0),
-            Self::Context => u_net(self, &[16, 32, 80, 160, 224]),
-            Self::Tiny => u_net(self, &[6, 8, 8]),
+            Self::Context => u_net(self, &CONTEXT_WIDTHS, 0),
+            Self::ContextDeep => u_net(self, &CONTEXT_WIDTHS, 4),
+            Self::Tiny => u_net(self, &[6, 8, 8], 0),
+            Self::TinyDeep => u_net(self, &[6, 8, 8], 2),
             Self::Occlusion => occlusion(),
         }
     }
@@ -264,7 +290,9 @@ impl Arch {
             Self::DirectRegression => Task::Views,
             Self::CornerDisparity => Task::CornerDepth,
             Self::CornerColour => Task::CornerColour,
-            Self::Paper | Self::PaperYx | Self::Context | Self::Tiny => Task::Depth,
+            Self::Paper | Self::PaperYx | Self::Context | Self::ContextDeep | Self::Tiny | Self::TinyDeep => {
+                Task::Depth
+            }
         }
     }
 
@@ -284,7 +312,7 @@ impl Arch {
             Self::CornerDisparity => &["agreement"],
             Self::CornerColour => &["corners", "disparity", "view"],
             Self::Occlusion => &["rgb", "disparity"],
-            Self::PaperYx | Self::Context | Self::Tiny => &["rgb", "yx"],
+            Self::PaperYx | Self::Context | Self::ContextDeep | Self::Tiny | Self::TinyDeep => &["rgb", "yx"],
         }
     }
 

@@ -55,6 +55,16 @@ impl Weights {
         Self { tensors }
     }
 
+    /// The weights of a larger net that computes what this one does, as it begins; none if `graph` does not hold this one.
+    pub fn grown(&self, graph: &Graph, seed: u64) -> Option<Self> {
+        let mut grown = Self::random(graph, seed);
+        for own in &self.tensors {
+            let place = grown.tensors.iter_mut().find(|t| t.name == own.name && t.shape == own.shape)?;
+            place.values.clone_from(&own.values);
+        }
+        Some(grown)
+    }
+
     /// The array of a name.
     pub fn get(&self, name: &str) -> Result<&Tensor32, TrainError> {
         self.tensors.iter().find(|t| t.name == name).ok_or_else(|| TrainError::Missing { name: name.to_owned() })
@@ -122,7 +132,7 @@ fn vectors(conv: &Conv) -> Vec<Tensor32> {
     };
     match conv.end {
         End::NormElu => vec![
-            vector("gamma", 1.0, true),
+            vector("gamma", if conv.added { 0.0 } else { 1.0 }, true),
             vector("beta", 0.0, true),
             vector("mean", 0.0, false),
             vector("var", 1.0, false),
