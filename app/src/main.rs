@@ -2,13 +2,10 @@
 //!
 //! Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted. One line on stderr says what went wrong.
 
-mod burst_args;
 mod cli;
 mod commands;
-mod embed_args;
 mod output;
 mod progress;
-mod stereo_args;
 mod values;
 
 use std::path::Path;

@@ -9,7 +9,7 @@ use plenoscope::scene::{Edit, Scene, SeveralAsked, SeveralFound, Subject, asked,
 use super::export::target;
 use super::input;
 use super::output::output;
-use crate::burst_args::Burst;
+use crate::cli::Burst;
 use crate::output::{say, say_json};
 
 /// Opens, finds the cameras, measures, and writes.

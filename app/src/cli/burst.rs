@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use plenoscope::scene::export::Kind;
 
-use crate::cli::{RecipeArgs, SynthArgs};
+use super::{RecipeArgs, SynthArgs};
 use crate::values;
 
 /// Arguments of `burst`.
