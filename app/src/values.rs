@@ -9,7 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, RangedI64ValueParser, T
 use plenoscope::field::{FNumber, Strength, ViewOffset};
 use plenoscope::io::formats::quilt;
 use plenoscope::scene::Movement;
-use plenoscope::scene::asked::{self, Usage};
+use plenoscope::scene::asked::{self, FocusAsked, Usage};
 use plenoscope::scene::export::{KINDS, Kind, Settings};
 use plenoscope::scene::real::{DISTANCES_M, FORMATS, KnownLens, known_lenses};
 
@@ -36,6 +36,15 @@ impl From<Pair> for ViewOffset {
     fn from(Pair(du, dv): Pair) -> Self {
         Self { dv, du }
     }
+}
+
+/// What is to be sharp: a pixel, or the subject.
+pub fn focus(text: &str) -> Result<FocusAsked, String> {
+    if text == "subject" {
+        return Ok(FocusAsked::Subject);
+    }
+    let wanted = "two numbers with a comma between them are wanted, like 120,80, or subject";
+    text.parse().map(|at: Pair| FocusAsked::At(at.into())).map_err(|_no_pair: String| wanted.to_owned())
 }
 
 /// A range of disparities, `D0..D1`.

@@ -76,7 +76,7 @@ def refocus(
     *,
     output: Optional[Path] = None,
     f_number: Optional[float] = None,
-    focus: Optional[tuple[float, float]] = None,
+    focus: Union[str, tuple[float, float], None] = None,
     focus_disparity: Optional[float] = None,
     lens: Optional[str] = None,
     keep_sharp: Optional[tuple[float, float]] = None,
@@ -97,7 +97,7 @@ def refocus(
     the name's ending, with what the photo's file said about it.
 
     f_number: from 28 (the photo as it is) to 1; by default 3.5.
-    focus: the pixel of the upright photo that is to be sharp, (x, y).
+    focus: the pixel of the upright photo that is to be sharp, (x, y); or "subject", for what the photo most likely is about.
     focus_disparity: the disparity that is to be sharp; by default 0. Like `keep_sharp` and `tilt` in pixels of the map.
     lens: "disc", "square", "blades:5" to "blades:9", "ring", "cat-eye", or "picture:FILE", in which white is open.
     keep_sharp: disparities that stay sharp, (far, near).

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use plenoscope::field::{Pixels, Transfer, ViewOffset};
 use plenoscope::io::save::{self, PictureOptions};
-use plenoscope::scene::asked::{self, Asked, EPI_SCALE, EPI_SCALES, LensAsked, Line, QUALITIES, Refocus, within};
+use plenoscope::scene::asked::{
+    self, Asked, EPI_SCALE, EPI_SCALES, FocusAsked, LensAsked, Line, QUALITIES, Refocus, within,
+};
 use plenoscope::scene::{OutputSize, export};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -66,7 +68,7 @@ fn lens(py: Python<'_>, options: &Options) -> PyResult<LensAsked> {
     };
     let lens = LensAsked {
         f_number: options.checked("f_number", "a number", asked::f_number)?,
-        focus: pair("focus")?,
+        focus: focus(options)?,
         focus_disparity_px: options.checked("focus_disparity", "a number", asked::number)?,
         shape: options.checked("lens", "a name", |name: String| asked::lens_shape(&name))?,
         keep_sharp_px: pair("keep_sharp")?.map(|[a, b]| [a.min(b), a.max(b)]),
@@ -79,6 +81,16 @@ fn lens(py: Python<'_>, options: &Options) -> PyResult<LensAsked> {
         return Err(raised(py, asked::Usage(text.to_owned())));
     }
     Ok(lens)
+}
+
+/// `"subject"`, or a pixel.
+fn focus(options: &Options) -> PyResult<Option<FocusAsked>> {
+    let is_subject = |value: Bound<'_, PyAny>| value.extract::<String>().is_ok_and(|text| text == "subject");
+    if options.any("focus")?.is_some_and(is_subject) {
+        return Ok(Some(FocusAsked::Subject));
+    }
+    let at = |(x, y): (f32, f32)| Ok(FocusAsked::At([asked::number(x)?, asked::number(y)?]));
+    options.checked("focus", "a pair of numbers or \"subject\"", at)
 }
 
 /// `"photo"`, `"light-field"`, or a width and a height.

@@ -41,7 +41,7 @@ def test_values_that_cannot_be_are_value_errors(wrong, sentence):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"f_number": "wide"}, {"focus": 3}, {"long_side": 1.5}, {"size": 3}, {"recipe": 3}, {"progress": 3}, {"disparity": 3}]
+    "wrong", [{"f_number": "wide"}, {"focus": 3}, {"focus": "flower"}, {"long_side": 1.5}, {"size": 3}, {"recipe": 3}, {"progress": 3}, {"disparity": 3}]
 )
 def test_values_of_the_wrong_type_are_type_errors(wrong):
     (name,) = wrong

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::focus;
 use super::real::Distance;
 use super::sharp::{self, Places};
+use super::{Salience, focus};
 use crate::field::{DisparityMap, FNumber, FocalPlane, Glass, Lens, LensShape, Strength, ViewOffset, ViewPoint};
 use crate::io::formats::stereo;
 
@@ -69,7 +69,7 @@ impl Edit {
         let keep_px = self.keep_sharp.map(|share| share * width);
         let at = |disparity_px: f32| (FocalPlane { disparity_px, ..tilted }, keep_px);
         let (focus, keep_sharp_px) = match self.focus {
-            Focus::Subject => at(through(focus::subject(map))),
+            Focus::Subject => at(through(focus::subject(map, &Salience::even()))),
             Focus::At(place) => at(through(place)),
             Focus::Disparity(share) => at(share * width),
             Focus::Through(places) => match places.all() {

@@ -1,9 +1,11 @@
 //! From a place of the picture to the disparity that is to be sharp, and the place that a picture is most likely about.
 //!
 //! The nearest thing is seldom what a photo is about (petals reach out beyond the head of a flower, grass beyond both),
-//! and the picture's middle may miss it. What is nearer than the rest is split off (Otsu 1979), each of its pixels counts
-//! by how near it lies to the middle, and the focus goes to where that mass is densest.
+//! and the picture's middle may miss it. What is nearer than the rest is split off (Otsu 1979). Each place counts by how near it
+//! lies to the middle and how much its colours stand out ([`Salience`]), more so where it is near, and the focus goes to where
+//! that mass is densest.
 
+use super::Salience;
 use crate::field::DisparityMap;
 
 /// Side of the square whose median disparity is taken, as a share of the map's width: 5 of 540 px.
@@ -52,48 +54,63 @@ const BINS: usize = 64;
 /// A part that has more than this share of the weight does not stand out; and how often it is split at most.
 const MOST: f32 = 0.5;
 const SPLITS: usize = 3;
+/// How much a near place counts whose colours do not stand out, and a place anywhere whose colours do, against a near one whose
+/// colours do.
+const NEAR_ALONE: f32 = 0.05;
+const ANYWHERE: f32 = 0.6;
 /// Less difference than this between near and far is a flat scene, as a share of the width.
 const FLAT_SHARE: f32 = 0.02 / 540.0;
 
-/// Where the subject of a photo most likely is, x and y from 0 to 1: the middle of what stands out towards the eye near the
-/// picture's centre, and the centre itself where nothing does.
-pub fn subject(map: &DisparityMap) -> [f32; 2] {
+/// Where the subject of a photo most likely is, x and y from 0 to 1: the middle of what stands out near the picture's centre,
+/// by its depth and by its colours, and the centre itself where nothing lies at another depth.
+pub fn subject(map: &DisparityMap, salience: &Salience) -> [f32; 2] {
     let flat_px = FLAT_SHARE * map.size()[0] as f32;
-    let Some(near) = standing_out(samples(map), flat_px) else { return [0.5, 0.5] };
-    let near = || near.iter();
-    let mean = |weight: &dyn Fn(&Sample) -> f32| {
-        let mass: f32 = near().map(weight).sum();
-        [0, 1].map(|axis| near().map(|sample| sample.place[axis] * weight(sample)).sum::<f32>() / mass.max(1e-9))
+    let samples = samples(map);
+    let Some(border) = standing_out(&samples, flat_px) else { return [0.5, 0.5] };
+    let tells = |sample: &Sample| {
+        let colour = salience.at(sample.place).powi(2);
+        let near = if sample.disparity_px >= border { colour + NEAR_ALONE } else { 0.0 };
+        near + ANYWHERE * colour
     };
-    let mut middle = mean(&|sample| sample.weight);
+    let told: Vec<(&Sample, f32)> = samples.iter().map(|sample| (sample, tells(sample))).collect();
+    let mean = |weight: &dyn Fn(&Sample) -> f32| {
+        let weighted = || told.iter().map(|(sample, told)| (sample, weight(sample) * sample.weight * told));
+        let mass: f32 = weighted().map(|(_, weight)| weight).sum();
+        [0, 1].map(|axis| weighted().map(|(sample, weight)| sample.place[axis] * weight).sum::<f32>() / mass.max(1e-9))
+    };
+    let mut middle = mean(&|_| 1.0);
     // Between two things lies neither: towards the denser one, to its middle.
     for _ in 0..SHIFTS {
-        middle = mean(&|sample| sample.weight * (-squared(sample.place, middle) / (2.0 * REACH * REACH)).exp());
+        middle = mean(&|sample| (-squared(sample.place, middle) / (2.0 * REACH * REACH)).exp());
     }
-    // The centre of a ring is not on it: the nearest place that is.
+    // The centre of a ring is not on it: the nearest place that tells as much as others.
+    let usual = told.iter().map(|(_, told)| told).sum::<f32>() / told.len() as f32;
     let distance = |at: &[f32; 2]| squared(*at, middle);
-    near().map(|sample| sample.place).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(middle)
+    let on_it = told.iter().filter(|(_, told)| *told >= usual).map(|(sample, _)| sample.place);
+    on_it.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(middle)
 }
 
-/// What is nearer than the rest; split again while it is most of what there is (flowers before leaves before a ground).
-fn standing_out(mut samples: Vec<Sample>, flat_px: f32) -> Option<Vec<Sample>> {
+/// From which disparity on something is nearer than the rest; split again while it is most of what there is (flowers before
+/// leaves before a ground).
+fn standing_out(samples: &[Sample], flat_px: f32) -> Option<f32> {
+    let near = |border: f32| samples.iter().copied().filter(|s| s.disparity_px >= border).collect::<Vec<_>>();
     let mass = |samples: &[Sample]| samples.iter().map(|sample| sample.weight).sum::<f32>();
-    let all = mass(&samples);
-    let mut border = near_from(&samples, flat_px)?;
+    let mut border = near_from(samples, flat_px)?;
     for _ in 0..SPLITS {
-        samples.retain(|sample| sample.disparity_px >= border);
-        border = match near_from(&samples, flat_px) {
-            Some(border) if mass(&samples) > MOST * all => border,
+        let part = near(border);
+        match near_from(&part, flat_px) {
+            Some(further) if mass(&part) > MOST * mass(samples) => border = further,
             _ => break,
-        };
+        }
     }
-    (mass(&samples) > 0.0).then_some(samples)
+    Some(border)
 }
 
 fn squared(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
 }
 
+#[derive(Clone, Copy)]
 struct Sample {
     place: [f32; 2],
     disparity_px: f32,
@@ -145,6 +162,8 @@ fn near_from(samples: &[Sample], flat_px: f32) -> Option<f32> {
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use super::*;
 
     fn scene(disparity: impl Fn(f32, f32) -> f32) -> DisparityMap {
@@ -171,7 +190,11 @@ mod tests {
                 () => -1.0,
             }
         });
-        assert!(distance(subject(&flower), [0.55, 0.4]) < 0.1, "{:?}", subject(&flower));
+        assert!(
+            distance(subject(&flower, &Salience::even()), [0.55, 0.4]) < 0.1,
+            "{:?}",
+            subject(&flower, &Salience::even())
+        );
     }
 
     #[test]
@@ -179,7 +202,7 @@ mod tests {
         let centers = [[0.3, 0.55], [0.75, 0.4]];
         let flowers =
             scene(|x, y| if centers.iter().any(|center| distance([x, y], *center) < 0.15) { 0.0 } else { -1.0 - y });
-        let at = subject(&flowers);
+        let at = subject(&flowers, &Salience::even());
         assert!(centers.iter().any(|center| distance(at, *center) < 0.1), "{at:?}");
     }
 
@@ -191,16 +214,37 @@ mod tests {
             () if y > 0.35 => -0.6,
             () => -1.8,
         });
-        let at = subject(&bed);
+        let at = subject(&bed, &Salience::even());
         assert!(centers.iter().any(|center| distance(at, *center) < 0.1), "{at:?}");
     }
 
     #[test]
     fn a_ring_is_met_on_the_ring_and_a_wall_in_the_middle() {
         let ring = scene(|x, y| if (0.15..0.25).contains(&distance([x, y], [0.5, 0.5])) { 1.0 } else { -1.0 });
-        let r = distance(subject(&ring), [0.5, 0.5]);
+        let r = distance(subject(&ring, &Salience::even()), [0.5, 0.5]);
         assert!((0.14..0.26).contains(&r), "{r}");
-        assert_eq!(subject(&scene(|_, _| 0.3)), [0.5, 0.5]);
+        assert_eq!(subject(&scene(|_, _| 0.3), &Salience::even()), [0.5, 0.5]);
+    }
+
+    #[test]
+    fn the_red_flower_and_not_the_nearer_leaf_beside_it() {
+        let red = [0.6, 0.45];
+        let plant = scene(|x, y| match () {
+            () if distance([x, y], red) < 0.15 => 0.0,
+            () if distance([x, y], [0.3, 0.75]) < 0.2 => 1.2,
+            () => -0.6 + 0.5 * y,
+        });
+        let row = |y: usize| {
+            let pixel = |x: usize| {
+                let is_red = distance([x as f32 / 120.0, y as f32 / 90.0], red) < 0.15;
+                if is_red { [220, 60, 90, 255] } else { [60, 110, 50, 255] }
+            };
+            Cow::Owned((0..120).flat_map(pixel).collect())
+        };
+        let [colours, none] =
+            [Salience::of([120, 90], row), Salience::even()].map(|salience| subject(&plant, &salience));
+        assert!(distance(colours, red) < 0.1, "{colours:?}");
+        assert!(distance(none, red) > 0.1, "{none:?}");
     }
 
     #[test]

@@ -159,7 +159,7 @@ mod tests {
         let far = Repair::Region { of: Region::Lasso { outline, snap: 0.0 }, what: Operation::Farther(1e-2) };
         let list = Repairs::default().with(far, Some(&subject.sign())).unwrap();
         let (mended, _) = scene(&subject, &list, Need::Map);
-        let found = crate::scene::focus::subject(mended.map());
+        let found = crate::scene::focus::subject(mended.map(), &mended.subject().salience());
         assert!(found != [x, y], "looked for anew, it would be another thing");
         assert_eq!(mended.subject_at(), [x, y]);
     }

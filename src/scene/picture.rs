@@ -266,7 +266,7 @@ impl Scene {
 
     /// Where the subject most likely is, x and y from 0 to 1.
     pub fn subject_at(&self) -> [f32; 2] {
-        *self.subject_at.get_or_init(|| focus::subject(&self.map))
+        *self.subject_at.get_or_init(|| focus::subject(&self.map, &self.subject.salience()))
     }
 
     /// The lens of an edit, in pixels of a width.

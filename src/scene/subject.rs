@@ -1,9 +1,10 @@
 //! What pictures are made of: a photo, or a light field that was recorded.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{SceneError, Several};
+use super::{Salience, SceneError, Several};
 use crate::field::{DisparityMap, LightField, Photo, Provenance, RayDepths, Strength, View};
 use crate::io::formats::depth_map::GivenDepth;
 use crate::io::formats::layout::Layout;
@@ -187,6 +188,18 @@ impl Subject {
         match &self.content {
             Content::Photo(_) => None,
             Content::Views(recorded) => Some(recorded),
+        }
+    }
+
+    /// How much each part of the photo, or of the reference view, stands out by its colours. Takes some milliseconds.
+    pub fn salience(&self) -> Salience {
+        match &self.content {
+            Content::Photo(one) => Salience::of(one.photo.size(), |y| one.photo.srgb8_row(y)),
+            Content::Views(recorded) => {
+                let view = recorded.shown.reference();
+                let wide = view.size()[0] as usize * 4;
+                Salience::of(view.size(), |y| Cow::Borrowed(&view.rgba()[y * wide..(y + 1) * wide]))
+            }
         }
     }
 

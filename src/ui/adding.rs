@@ -12,7 +12,7 @@ use super::words::{self, Id, Message, id, message};
 use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
 use crate::job::{Cancel, Job};
-use crate::scene::{DepthFrom, Maker, Making, Subject, models};
+use crate::scene::{DepthFrom, Maker, Making, Salience, Subject, models};
 use crate::synth::adopt::{AdoptError, Adopted, Shelf, Shelved};
 use crate::synth::{ModelTag, reference_view};
 
@@ -79,7 +79,7 @@ fn sample() -> ColorImage {
 /// The thread's work. The nets that are kept warm are forgotten, as one of them may be another now.
 pub fn worker(maker: Arc<Maker>) -> impl Work<Request> {
     move |job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox| {
-        let sink = ToWindow { job, outbox };
+        let sink = ToWindow { job, outbox, salience: Salience::even() };
         let task = Job { cancel, sink: &sink };
         let Some(shelf) = request.making.shelf.clone() else {
             outbox.send(job, Event::Failed(message!("no-folder-for-nets")));

@@ -18,7 +18,7 @@ use crate::errors::sentence;
 use crate::field::{Photo, RayDepths, View, ViewIndex};
 use crate::io::folder;
 use crate::job::{Cancel, Job, Progress, Sink};
-use crate::scene::{DepthFrom, Maker, Making, Need, SceneError, SeveralAsked, Subject};
+use crate::scene::{DepthFrom, Maker, Making, Need, Salience, SceneError, SeveralAsked, Subject};
 
 /// Where a picture comes from.
 #[derive(Debug)]
@@ -57,6 +57,8 @@ pub struct ToWindow<'a> {
     pub job: JobId,
     /// The way to the window.
     pub outbox: &'a Outbox,
+    /// What stands out in the picture whose ray depths are made.
+    pub salience: Salience,
 }
 
 impl Sink for ToWindow<'_> {
@@ -64,7 +66,7 @@ impl Sink for ToWindow<'_> {
         self.outbox.send(self.job, Event::Progress(progress));
     }
     fn depths(&self, depths: &Arc<RayDepths>) {
-        self.outbox.send(self.job, Event::Rays(Rays::new(Arc::clone(depths))));
+        self.outbox.send(self.job, Event::Rays(Rays::new(Arc::clone(depths), &self.salience)));
     }
     fn view(&self, at: ViewIndex, view: &Arc<View>) {
         self.outbox.send(self.job, Event::View(at, Arc::clone(view)));
@@ -78,12 +80,15 @@ impl Sink for ToWindow<'_> {
 /// the next time.
 pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Load> {
     move |job: JobId, load: Load, cancel: &Cancel, outbox: &Outbox| {
-        let sink = ToWindow { job, outbox };
-        let task = Job { cancel, sink: &sink };
+        let sink = |salience| ToWindow { job, outbox, salience };
+        let opening = sink(Salience::even());
+        let task = Job { cancel, sink: &opening };
         let done = open(&load.from, job, &task, &ahead, outbox).and_then(|document| {
             let Some(document) = document else { return Ok(None) };
             outbox.send(job, Event::Models(adding::listed(&load.making)));
-            let made = make(&maker, &document.subject, &making_of(&load, &document), &task)?;
+            let making = making_of(&load, &document);
+            let task = Job { cancel, sink: &sink(document.subject.salience()) };
+            let made = make(&maker, &document.subject, &making, &task)?;
             Ok(Some((document, made)))
         });
         match done {
@@ -155,7 +160,8 @@ fn open(from: &OpenFrom, job_id: JobId, job: &Job, ahead: &Ahead, outbox: &Outbo
     }
     let photo = document.subject.photo().filter(|_| tiles.is_none());
     let preview = photo.and_then(|photo| TileSet::preview(photo.size(), photo.srgb8()).map(Arc::new));
-    let rays = document.subject.recorded().and_then(|recorded| recorded.depths.clone()).map(Rays::new);
+    let depths = document.subject.recorded().and_then(|recorded| recorded.depths.clone());
+    let rays = depths.map(|depths| Rays::new(depths, &document.subject.salience()));
     outbox.send(job_id, Event::Opened(Box::new(document.clone()), rays, tiles.or(preview)));
     log::debug!("{}: on its way to the screen after {:.3} s", document.subject.name, started.elapsed().as_secs_f64());
     if let Some(photo) = photo {

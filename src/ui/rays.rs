@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::field::{DisparityMap, Lens, RayDepths, Strength, ViewIndex, ViewPoint};
-use crate::scene::{Edit, Focus, focus, layers};
+use crate::scene::{Edit, Focus, Salience, focus, layers};
 
 /// Ray depths with what they say about the scene.
 #[derive(Clone, Debug)]
@@ -18,8 +18,8 @@ pub struct Rays {
 
 impl Rays {
     /// Looks over ray depths of strength 1. Takes some milliseconds, so it is not for the window's thread.
-    pub fn new(depths: Arc<RayDepths>) -> Self {
-        let subject = focus::subject(&depths.reference_map());
+    pub fn new(depths: Arc<RayDepths>, salience: &Salience) -> Self {
+        let subject = focus::subject(&depths.reference_map(), salience);
         Self::about(depths, subject)
     }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use plenoscope::field::{FNumber, LensShape, Strength};
+use plenoscope::scene::asked::FocusAsked;
 use plenoscope::scene::real::KnownLens;
 use plenoscope::scene::{Making, asked};
 use plenoscope::synth::Scale;
@@ -61,9 +62,10 @@ pub struct LensArgs {
     /// From 28 (the photo as it is) to 1; by default 3.5
     #[arg(long, value_name = "N", value_parser = values::f_number)]
     pub f_number: Option<FNumber>,
-    /// A pixel of the upright photo that is to be sharp
-    #[arg(long, value_name = "X,Y", conflicts_with = "focus_disparity", allow_hyphen_values = true)]
-    pub focus: Option<Pair>,
+    /// A pixel of the upright photo that is to be sharp; or "subject", for what the photo most likely is about
+    #[arg(long, value_name = "X,Y", conflicts_with = "focus_disparity", allow_hyphen_values = true,
+          value_parser = values::focus)]
+    pub focus: Option<FocusAsked>,
     /// The disparity that is to be sharp, in pixels per view step; by default 0
     #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = values::number)]
     pub focus_disparity: Option<f32>,

@@ -16,7 +16,7 @@ pub fn asked(args: &LensArgs) -> LensAsked {
     let band = |keep: &KeepSharp| if let KeepSharp::Band(range) = keep { Some([range.lo, range.hi]) } else { None };
     LensAsked {
         f_number: args.f_number,
-        focus: args.focus.map(Into::into),
+        focus: args.focus,
         focus_disparity_px: args.focus_disparity,
         shape: args.lens.clone(),
         keep_sharp_px: args.keep_sharp.first().and_then(band),

@@ -51,6 +51,7 @@ fn cases(picture: [u32; 2], map_width: u32) -> Vec<Case> {
     let share = [0, 1].map(|axis| (place[axis] as f32 + 0.5) / picture[axis] as f32);
     let by_place =
         ["--f-number".to_owned(), "2".to_owned(), "--focus".to_owned(), format!("{},{}", place[0], place[1])];
+    let by_subject = ["--f-number", "2.4", "--focus", "subject"].map(str::to_owned);
     vec![
         case("closed", &lens(28.0, d), at_plane(28.0, d)),
         case("usual", &lens(3.5, d), at_plane(3.5, d)),
@@ -77,6 +78,7 @@ fn cases(picture: [u32; 2], map_width: u32) -> Vec<Case> {
             Edit { shape: LensShape::Picture(opening::read(Path::new(OPENING)).unwrap()), ..at_plane(1.4, d) },
         ),
         case("by place", &by_place, Edit { f_number: FNumber(2.0), focus: Focus::At(share), ..Edit::default() }),
+        case("on the subject", &by_subject, Edit { f_number: FNumber(2.4), focus: Focus::Subject, ..Edit::default() }),
     ]
 }
 

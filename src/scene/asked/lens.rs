@@ -4,13 +4,22 @@ use super::Usage;
 use crate::field::{FNumber, LensShape};
 use crate::scene::{Edit, Focus, Scene};
 
+/// What is to be sharp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FocusAsked {
+    /// What the photo most likely is about, as in a window that has just opened it.
+    Subject,
+    /// A pixel of the upright photo, x and y.
+    At([f32; 2]),
+}
+
 /// What a person turns on the lens; none is left as it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LensAsked {
     /// How wide open.
     pub f_number: Option<FNumber>,
-    /// A pixel of the upright photo that is to be sharp, x and y. It goes before `focus_disparity_px`.
-    pub focus: Option<[f32; 2]>,
+    /// What is to be sharp. It goes before `focus_disparity_px`.
+    pub focus: Option<FocusAsked>,
     /// The disparity that is to be sharp, in pixels of the scene's map per view step.
     pub focus_disparity_px: Option<f32>,
     /// Shape of the opening.
@@ -44,7 +53,8 @@ impl LensAsked {
         edit.grain = self.grain.unwrap_or(edit.grain);
         edit.tilt = self.tilt_px.map_or(edit.tilt, |tilt| tilt.map(share));
         edit.focus = match (self.focus, self.focus_disparity_px, self.keep_sharp_px) {
-            (Some(at), ..) => Focus::At(place(at, scene.subject().size())?),
+            (Some(FocusAsked::Subject), ..) => Focus::Subject,
+            (Some(FocusAsked::At(at)), ..) => Focus::At(place(at, scene.subject().size())?),
             (None, Some(px), _) => Focus::Disparity(share(px)),
             (None, None, Some([lo, hi])) => Focus::Disparity(share((lo + hi) / 2.0)),
             (None, None, None) => edit.focus,

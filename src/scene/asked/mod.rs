@@ -10,7 +10,7 @@ mod values;
 
 pub use cuts::{Line, depth, depth_need, epi, epi_need, view, view_index, view_need};
 pub use how::How;
-pub use lens::{LensAsked, place};
+pub use lens::{FocusAsked, LensAsked, place};
 pub use output::{Output, check_is_photo, field_format, field_formats, field_target, make_folder};
 pub use refocus::{Asked, Refocus};
 pub use values::{

@@ -1,5 +1,9 @@
 //! Figures on validation photos: masks and nearness maps that no net has been trained on.
 
+use std::borrow::Cow;
+
+use plenoscope::field::DisparityMap;
+use plenoscope::scene::{Salience, focus};
 use serde::Serialize;
 
 use super::metrics::{mean, median, spearman, within_rows};
@@ -37,6 +41,8 @@ pub struct PhotoFigures {
     pub rows_spearman: Option<f32>,
     /// Correlation after each row's mean is taken out.
     pub within_rows: Option<f32>,
+    /// Whether the program focuses on the masked subject by itself.
+    pub focused: Option<bool>,
 }
 
 /// Means over a folder.
@@ -62,6 +68,8 @@ pub struct Summary {
     pub margin: Option<[f32; 3]>,
     /// Mean correlation within rows.
     pub within_rows: Option<f32>,
+    /// The share of masked photos on whose subject the program focuses by itself.
+    pub focused: Option<f32>,
 }
 
 /// The figures of all photos, their means by folder, and pictures of the first ones.
@@ -148,7 +156,19 @@ pub fn photo(picture: &Picture, depth: &[f32]) -> PhotoFigures {
         spearman: nearness.as_ref().map(|map| spearman(depth, map)),
         rows_spearman: nearness.as_ref().map(|map| spearman(&rows(), map)),
         within_rows: nearness.as_ref().map(|map| within_rows(depth, map, size[0])),
+        focused: picture.mask.as_ref().and_then(|mask| focused(mask, &picture.rgb, depth)),
     }
+}
+
+/// Whether the place that the program takes for the subject's is on the mask; none where there is no mask, or no depth.
+fn focused(mask: &Raster<u8>, rgb: &Raster<[u8; 3]>, depth: &[f32]) -> Option<bool> {
+    let size = mask.size.map(|side| side as u32);
+    let map = DisparityMap::new(size, depth.to_vec()).ok()?;
+    let row = |y: usize| rgb.px[y * rgb.size[0]..][..rgb.size[0]].iter().flat_map(|&[r, g, b]| [r, g, b, 255]);
+    let salience = Salience::of(size, |y| Cow::Owned(row(y).collect()));
+    let [x, y] = focus::subject(&map, &salience);
+    let at = |share: f32, side: usize| ((share * side as f32) as usize).min(side - 1);
+    Some(mask.at(at(x, mask.size[0]), at(y, mask.size[1])) > 127)
 }
 
 fn summary(folder: &str, photos: &[PhotoFigures]) -> Summary {
@@ -165,6 +185,7 @@ fn summary(folder: &str, photos: &[PhotoFigures]) -> Summary {
         rows_spearman: of(|p| p.rows_spearman),
         margin: margin(photos),
         within_rows: of(|p| p.within_rows),
+        focused: of(|p| p.focused.map(|is_on_it| f32::from(u8::from(is_on_it)))),
     }
 }
 
