@@ -199,19 +199,48 @@ fn writer_of_a_sidecar() {
     }
 }
 
+/// That program, once it has written.
+fn start_writer(photo: &Path) -> Child {
+    let mut writer = Command::new(std::env::current_exe().unwrap());
+    writer.args(["torn::writer_of_a_sidecar", "--exact", "--ignored"]).env(WRITER, photo);
+    let child = writer.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let start = Instant::now();
+    while !Recipe::sidecar(photo).exists() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child
+}
+
+#[test]
+fn two_windows_and_a_batch_on_one_sidecar_find_and_leave_whole_edits() {
+    let dir = Scratch::new();
+    let photo = PathBuf::from(dir.photo("photo.png", 48, 32));
+    let recipe = Recipe::sidecar(&photo);
+    let mut writers = [start_writer(&photo), start_writer(&photo)];
+    let how = ["--force", "--no-cache", "--lambertian", "--long-side", "48", "-o", &dir.arg("out")].map(str::to_owned);
+    for _ in 0..3 {
+        let args = ["batch", &photo.to_string_lossy(), "--recipe", &recipe.to_string_lossy()].map(str::to_owned);
+        plenoscope(&[args.as_slice(), &how].concat().iter().map(String::as_str).collect::<Vec<_>>()).assert().success();
+    }
+    for writer in &mut writers {
+        assert!(writer.try_wait().unwrap().is_none(), "it writes until it is killed");
+        writer.kill().unwrap();
+        writer.wait().unwrap();
+    }
+    let edits: Vec<PathBuf> = fs::read_dir(dir.path("")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let edits: Vec<&PathBuf> = edits.iter().filter(|path| path.extension().is_some_and(|end| end == "json")).collect();
+    // What one window wrote and the other had not seen lies there under another name.
+    assert!(edits.len() > 1, "{edits:?}");
+    edits.iter().for_each(|path| drop(Recipe::read(path).unwrap()));
+}
+
 #[test]
 fn a_killed_writer_of_a_sidecar_leaves_it_whole() {
     let kills = std::env::var("PLENOSCOPE_KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(FEW) / 4;
     let dir = Scratch::new();
     let photo = PathBuf::from(dir.photo("photo.png", 48, 32));
     for n in 0..kills {
-        let mut writer = Command::new(std::env::current_exe().unwrap());
-        writer.args(["torn::writer_of_a_sidecar", "--exact", "--ignored"]).env(WRITER, &photo);
-        let mut child = writer.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        let start = Instant::now();
-        while !Recipe::sidecar(&photo).exists() && start.elapsed() < Duration::from_secs(60) {
-            std::thread::sleep(Duration::from_millis(2));
-        }
+        let mut child = start_writer(&photo);
         std::thread::sleep(Duration::from_millis(7 * n as u64 % 40));
         child.kill().unwrap();
         child.wait().unwrap();
