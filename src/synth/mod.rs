@@ -34,6 +34,7 @@ pub(crate) mod semiglobal;
 mod speckles;
 mod steps;
 pub mod sweep;
+mod tips;
 pub mod tract;
 pub mod upsample;
 

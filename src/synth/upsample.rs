@@ -7,12 +7,13 @@
 //! 2. Let certain values flow into uncertain ones, stopped by the photo's edges: normalised convolution by the
 //!    recursive domain transform (Gastal and Oliveira 2011).
 //! 3. Sharpen what is still steep: such a pixel takes the near or the far side, never a depth in between.
-//! 4. What is left as islands smaller than a pixel of the small map is texture of the photo, not depth: it goes to a side.
+//! 4. Tips that the small map missed go to the near side where the photo joins them with it (`tips`).
+//! 5. What is left as islands smaller than a pixel of the small map is texture of the photo, not depth: it goes to a side.
 
 use rayon::prelude::*;
 
 use super::lift::STEP_PX;
-use super::{SynthError, speckles, steps};
+use super::{SynthError, speckles, steps, tips};
 use crate::field::{DisparityMap, Filter, Size, View, resample, sides};
 use crate::job::{Cancel, Cancelled, Job};
 
@@ -95,6 +96,7 @@ fn spread(values: &[f32], certain: &[f32], guide: &View, job: &Job) -> Result<Ve
     EdgeAware::new(size, reach, difference).smooth(&mut flow, job.cancel)?;
     let mut map: Vec<f32> = flow.iter().map(|[d, c]| d / c).collect();
     sharpen(&mut map, size, job.cancel)?;
+    tips::grow(&mut map, guide, job.cancel)?;
     Ok(map)
 }
 
