@@ -71,6 +71,10 @@ pub struct LossWeights {
     #[arg(long, default_value_t = 0.3, help_heading = "Losses")]
     #[serde(default)]
     pub w_subject: f32,
+    /// Pixels of parts at most 3 px wide that stand before both their sides, beside what every pixel weighs
+    #[arg(long, default_value_t = 0.0, help_heading = "Losses")]
+    #[serde(default)]
+    pub w_thin: f32,
     /// Least step of the true ray depths that makes such a pair, px per view step
     #[arg(long, default_value_t = 0.12, help_heading = "Losses")]
     pub ordinal_apart_px: f32,

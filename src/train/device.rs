@@ -1,8 +1,8 @@
 //! Where a run's tensors live: on the processor, or on a graphics device.
 //!
 //! Graphs, losses and seeds are the same. On the processor the convolutions are ours; on a graphics device they are burn's (WGSL on
-//! Vulkan, Metal and DX12 with the feature `gpu`, CUDA with `cuda`), and what goes to and fro in a step is the net's input, what it
-//! says, and the gradient of that.
+//! Vulkan, Metal and DX12 with the feature `gpu`, CUDA with `cuda`) or libtorch's ([`Place::Torch`]), and what goes to and fro in a
+//! step is the net's input, what it says, and the gradient of that.
 
 use burn::tensor::Device;
 use clap::ValueEnum;
@@ -20,6 +20,8 @@ pub enum Place {
     Cpu,
     /// A graphics device, with burn's operations; the trainer must be built with `--features gpu` or `cuda`.
     Gpu,
+    /// libtorch, on CUDA where it is there, for nets over pictures; the trainer must be built with `--features torch`.
+    Torch,
 }
 
 impl Place {
@@ -31,6 +33,10 @@ impl Place {
         match self {
             Self::Cpu => Ok(()),
             Self::Gpu => graphics().map(drop),
+            Self::Torch if cfg!(feature = "torch") => Ok(()),
+            Self::Torch => Err(TrainError::NoDevice {
+                why: "this trainer was built without; build it with --features torch".into(),
+            }),
         }
     }
 }
@@ -82,6 +88,8 @@ mod tests {
         assert!(Place::Cpu.ready().is_ok());
         let text = Place::Gpu.ready().unwrap_err().to_string();
         assert!(text.contains("--features gpu") && text.contains("--device cpu"), "{text}");
+        #[cfg(not(feature = "torch"))]
+        assert!(Place::Torch.ready().unwrap_err().to_string().contains("--features torch"));
     }
 
     /// What a net says of a picture, and the gradients of its weights.

@@ -106,6 +106,12 @@ pub enum TrainError {
         /// What is missing.
         why: String,
     },
+    /// libtorch gave up within a step.
+    #[error("libtorch gave up a step ({why}): try a smaller --batch, or --device cpu; what was saved of the run stays")]
+    Torch {
+        /// What it said.
+        why: String,
+    },
     /// A graphics device that gave up within a step.
     #[error(
         "the graphics device gave up a step of {batch} samples ({why}): try --batch {}; what was saved of the run stays", (batch / 2).max(1)

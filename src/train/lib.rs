@@ -25,6 +25,8 @@ pub mod run;
 pub mod scenes;
 mod settle;
 pub mod step;
+#[cfg(feature = "torch")]
+pub mod torch;
 pub mod view_step;
 pub mod warp;
 pub mod watch;

@@ -221,6 +221,11 @@ pub fn train(
     stop: &AtomicBool,
 ) -> Result<Nets, TrainError> {
     config.device.ready()?;
+    let over_pictures = matches!(config.stage, Stage::Depth | Stage::Flow | Stage::Regression);
+    if config.device == Place::Torch && !over_pictures {
+        let why = "libtorch trains the stages depth, flow and regression alone".into();
+        return Err(TrainError::NoDevice { why });
+    }
     prepare(config)?;
     let mut progress = nets.main(config.stage).map(|net| net.progress.clone()).unwrap_or_default();
     let mut loader = Loader::new(draw, progress.step, config.loaders)?;

@@ -11,11 +11,15 @@ use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
 use crate::device::Place;
 use crate::loss::{self, Along, Maps};
-use crate::nets::{Graph, Mode, Tape, Weights, values, zeros};
+#[cfg(feature = "torch")]
+use crate::nets::thinning;
+use crate::nets::{ByArray, Graph, Mode, Statistics, Tape, Weights, values, zeros};
 use crate::ops::Path;
 use crate::optimizer::Step;
 use crate::rng::Rng;
 use crate::scenes::steps;
+#[cfg(feature = "torch")]
+use crate::torch;
 use crate::warp::{RayEnd, ray_end};
 
 /// Values of the losses of a step, by name, before they are weighed.
@@ -81,6 +85,12 @@ pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Par
             loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
         );
     }
+    if weights.w_thin > 0.0 {
+        // A map that another net made knows no thin parts.
+        let known = |(apart, worth): (&f32, &f32)| if *worth < 1.0 { 0.0 } else { *apart };
+        let apart: Vec<f32> = apart.iter().zip(&batch.worth).map(known).collect();
+        parts.insert("thin", loss::thin_parts(maps, depth, truth, &apart, weights.w_thin / small, g) / small);
+    }
     smoothness(maps, depth, weights, small, g, &mut parts);
     // What is worth less moves the net less; the losses told are those of all.
     let one = maps.views.len() * maps.plane();
@@ -124,7 +134,8 @@ pub(crate) fn path(config: &Config) -> Path {
     match config.device {
         Place::Gpu => Path::Graphics,
         Place::Cpu if config.stock => Path::Stock,
-        Place::Cpu => Path::Own,
+        // libtorch does steps alone.
+        Place::Cpu | Place::Torch => Path::Own,
     }
 }
 
@@ -155,21 +166,46 @@ pub fn depth_step(
     config: &Config,
     done: f64,
 ) -> Result<Report, TrainError> {
-    let by_chance = Rng::new(config.seed ^ DROPPING, net.progress.step);
-    let mut tape = training(&net.weights, config)?.dropping(config.drop, by_chance);
     let (maps, channels) = (&batch.maps, graph.input_channels());
     let mut input = batch.net_input(graph.arch.has_coordinates());
     let mut by_chance = Rng::new(config.seed ^ BLANKING, net.progress.step);
     blank_patches(&mut input, channels, [maps.width, maps.height], config.blank, &mut by_chance);
     drop_coordinates(&mut input, channels, maps.plane(), config.drop_yx, &mut by_chance);
-    let y = forward(&mut tape, graph, batch, input)?;
-    let depth = values(y.clone());
-    let (parts, gradient) = depth_losses(batch, &depth, &config.losses);
-    let gradients = with_gradient(&tape, y, gradient).backward();
-    let (mut gradients, statistics) = tape.finish_step(&gradients);
+    let losses = |depth: &[f32]| depth_losses(batch, depth, &config.losses);
+    let (parts, mut gradients, statistics) = learn((net, graph), batch, input, config, losses)?;
     share_rows(&net.weights, &mut gradients, &batch.maps.views);
     let norm = update(net, config, done, &gradients, &statistics);
     Ok(Report { parts, norm })
+}
+
+/// The losses of what a net over pictures says of `input`, the gradients of its weights and the batch's statistics. `losses`
+/// gives its parts and the gradient of what was said.
+pub(crate) fn learn(
+    (net, graph): (&Checkpoint, &Graph),
+    batch: &Batch,
+    input: Vec<f32>,
+    config: &Config,
+    losses: impl FnOnce(&[f32]) -> (Parts, Vec<f32>),
+) -> Result<(Parts, ByArray, Statistics), TrainError> {
+    let by_chance = Rng::new(config.seed ^ DROPPING, net.progress.step);
+    #[cfg(feature = "torch")]
+    if config.device == Place::Torch {
+        let (maps, mut by_chance) = (&batch.maps, by_chance);
+        graph.check_size(maps.width, maps.height)?;
+        let shape = [maps.samples, graph.input_channels(), maps.height, maps.width];
+        let thinning = &mut |channels| thinning(config.drop, maps.samples * channels, &mut by_chance);
+        let asked = torch::Asked { views: &maps.views, keep_norm: config.keep_norm, thinning };
+        let (pass, said) = torch::Pass::new((&net.weights, graph), &input, shape, asked)?;
+        let (parts, gradient) = losses(&said);
+        let (gradients, statistics) = pass.finish(&gradient)?;
+        return Ok((parts, gradients, statistics));
+    }
+    let mut tape = training(&net.weights, config)?.dropping(config.drop, by_chance);
+    let y = forward(&mut tape, graph, batch, input)?;
+    let (parts, gradient) = losses(&values(y.clone()));
+    let gradients = with_gradient(&tape, y, gradient).backward();
+    let (gradients, statistics) = tape.finish_step(&gradients);
+    Ok((parts, gradients, statistics))
 }
 
 /// Rows of the last layer whose views a step leaves out get the mean gradient of those it computes: the features

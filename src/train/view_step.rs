@@ -9,24 +9,27 @@ use crate::checkpoint::Checkpoint;
 use crate::config::Config;
 use crate::loss;
 use crate::nets::{Mode, Tape, Task, values, zeros};
-use crate::step::{Parts, Report, path, predict, training, update, with_gradient};
+use crate::step::{Parts, Report, learn, path, predict, update};
 
 /// A step of such a net; `done` = 0 … 1 of the run behind it.
 pub fn step(net: &mut Checkpoint, batch: &Batch, config: &Config, done: f64) -> Result<Report, TrainError> {
     let graph = net.arch.graph();
-    let mut tape = training(&net.weights, config)?;
-    let y = predict(&mut tape, &graph, batch)?;
-    let said = values(y.clone());
-    let mut gradient = zeros(said.len());
     let weight = config.losses.w_photometric;
-    let loss = match net.arch.task() {
-        Task::Flow => loss::flowed(&batch.maps, &batch.photos(), &batch.views, &said, weight, &mut gradient),
-        _ => loss::regressed(&batch.views, &said, weight, &mut gradient),
+    let task = net.arch.task();
+    let losses = |said: &[f32]| {
+        let mut gradient = zeros(said.len());
+        let loss = match task {
+            Task::Flow => loss::flowed(&batch.maps, &batch.photos(), &batch.views, said, weight, &mut gradient),
+            _ => loss::regressed(&batch.views, said, weight, &mut gradient),
+        };
+        (Parts::from([("views", loss)]), gradient)
     };
-    let gradients = with_gradient(&tape, y, gradient).backward();
-    let (gradients, statistics) = tape.finish_step(&gradients);
+    let input = batch.net_input(graph.arch.has_coordinates());
+    // Channels are left out of depth nets alone.
+    let plain = Config { drop: 0.0, ..config.clone() };
+    let (parts, gradients, statistics) = learn((net, &graph), batch, input, &plain, losses)?;
     let norm = update(net, config, done, &gradients, &statistics);
-    Ok(Report { parts: Parts::from([("views", loss)]), norm })
+    Ok(Report { parts, norm })
 }
 
 /// The views `[n, v, 3, h, w]` in 0 … 1 that such a net makes of a batch's photos.

@@ -8,12 +8,14 @@ mod photometric;
 mod smooth;
 mod subject;
 mod supervised;
+mod thin;
 
 pub use flow::{flowed, flowed_views, regressed};
 pub use photometric::{photometric, rendered_gradient, rendered_views};
 pub use smooth::{consistency, total_variation};
 pub use subject::subject_order;
 pub use supervised::{Along, Fit, affine, affine_fit, ordinal, row_centred, supervised};
+pub use thin::thin_parts;
 
 use crate::nets::REFERENCE;
 

@@ -51,6 +51,7 @@ fn supervised_losses_have_their_derivatives() {
     check(&depth, |d, w, g| ordinal(&maps, d, &truth, Along::Columns, &[0.3, 0.2], w, g));
     let fits = [((0.7, 0.1), 0.0), ((1.3, -0.2), 0.15)].map(|(affine, trim)| Fit { affine, trim });
     check(&depth, |d, w, g| affine(&maps, d, &truth, &fits, 0.5, w, g));
+    check(&depth, |d, w, g| thin_parts(&maps, d, &truth, &[0.2, 0.1], w, g));
 }
 
 #[test]

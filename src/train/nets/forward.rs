@@ -116,10 +116,9 @@ impl<'a> Tape<'a> {
 
     /// The map with some of its channels 0, the others larger by as much.
     fn thinned(&mut self, y: Tensor<4>) -> Tensor<4> {
-        let Some((part, rng)) = &mut self.drop else { return y };
         let [samples, channels, ..] = y.dims();
-        let kept = 1.0 / (1.0 - *part);
-        let mask = (0..samples * channels).map(|_| if rng.chance(*part) { 0.0 } else { kept }).collect();
+        let mask = self.drop.as_mut().and_then(|(part, rng)| thinning(*part, samples * channels, rng));
+        let Some(mask) = mask else { return y };
         y * self.input(mask, [samples, channels, 1, 1])
     }
 
@@ -207,6 +206,12 @@ impl<'a> Tape<'a> {
         });
         (taken.collect(), self.statistics.into_iter().map(|(name, t)| (name, values(t))).collect())
     }
+}
+
+/// Factors of so many channels of samples, `part` of them 0 and the others larger by as much; none where none is left out.
+pub fn thinning(part: f32, channels: usize, rng: &mut Rng) -> Option<Vec<f32>> {
+    let kept = 1.0 / (1.0 - part);
+    (part > 0.0).then(|| (0..channels).map(|_| if rng.chance(part) { 0.0 } else { kept }).collect())
 }
 
 /// A tensor's values, the last axis fastest.

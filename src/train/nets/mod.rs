@@ -8,7 +8,7 @@ mod weights;
 use plenoscope::synth::corners::{Between, RANGE_PX as CORNER_RANGE_PX};
 use serde::{Deserialize, Serialize};
 
-pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, values, zeros};
+pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, thinning, values, zeros};
 pub use weights::{Tensor32, Weights};
 
 use crate::TrainError;
@@ -21,6 +21,8 @@ pub const SIDE: usize = 8;
 pub const REFERENCE: usize = 36;
 /// Name of the last layer, whose rows are a depth net's views.
 const LAST: &str = "last";
+/// Name of the further convolutions at a U-Net's deepest level.
+const DEEPEST: &str = "deepest";
 /// Channels of the everyday nets, from full size to a sixteenth.
 const CONTEXT_WIDTHS: [usize; 5] = [16, 32, 80, 160, 224];
 /// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
@@ -40,6 +42,8 @@ pub enum Arch {
     Context,
     /// The same with further convolutions at each level, what they say added to what they read: it begins as `Context`.
     ContextDeep,
+    /// More of them, on the way down and at the finer levels too: it begins as `ContextDeep`.
+    ContextDeeper,
     /// A U-Net of a few channels, for tests.
     Tiny,
     /// The same with such further convolutions.
@@ -176,9 +180,11 @@ impl Builder {
         self.push(Node::Conv(from, conv), outputs)
     }
 
-    /// Adds convolutions of as many channels whose results are added to what they read.
-    fn refine(&mut self, name: &str, dilations: &[usize]) {
-        for (i, &dilation) in dilations.iter().enumerate() {
+    /// Adds convolutions of as many channels whose results are added to what they read; at the deepest level every other looks
+    /// further.
+    fn refine(&mut self, name: &str, count: usize) {
+        for i in 0..count {
+            let dilation = if name == DEEPEST { 1 + i % 2 } else { 1 };
             let (from, name) = (self.last(), format!("{name}_more{i}"));
             let width = self.channels[from];
             let conv = Conv { name, inputs: width, outputs: width, dilation, end: End::NormElu, added: true };
@@ -214,8 +220,8 @@ fn paper(arch: Arch, inputs: usize, scale: f32) -> Graph {
 
 /// A U-Net: two convolutions a level, mean pooling down, nearest pixel up, skips joined by concatenation; the
 /// deepest level looks further with dilations 1, 2, 4, so that every pixel sees the whole picture. `further` convolutions
-/// follow at the deepest level, half as many on the way up from it.
-fn u_net(arch: Arch, widths: &[usize], further: usize) -> Graph {
+/// of each level follow on the way down (the deepest level's, too), then on the way up, from full size on.
+fn u_net(arch: Arch, widths: &[usize], [down, up]: [&[usize]; 2]) -> Graph {
     let mut net = Builder::new(5);
     let mut skips = Vec::new();
     let deepest = widths.len() - 1;
@@ -227,9 +233,8 @@ fn u_net(arch: Arch, widths: &[usize], further: usize) -> Graph {
         for (i, &dilation) in dilations.iter().enumerate() {
             net.conv(&format!("down{level}_{i}"), width, dilation, End::NormElu);
         }
-        if level == deepest {
-            net.refine("deepest", &[1, 2].repeat(further / 2));
-        }
+        let further = if level == deepest { DEEPEST.to_owned() } else { format!("down{level}") };
+        net.refine(&further, down.get(level).copied().unwrap_or(0));
         skips.push(net.last());
     }
     for level in (0..deepest).rev() {
@@ -237,7 +242,7 @@ fn u_net(arch: Arch, widths: &[usize], further: usize) -> Graph {
         for i in 0..2 {
             net.conv(&format!("up{level}_{i}"), widths[level], 1, End::NormElu);
         }
-        net.refine(&format!("up{level}"), &vec![1; further / 2]);
+        net.refine(&format!("up{level}"), up.get(level).copied().unwrap_or(0));
     }
     net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
     net.finish(arch, 2, 1 << deepest)
@@ -274,10 +279,11 @@ impl Arch {
             Self::DirectRegression => paper(self, 3, 1.0),
             Self::CornerDisparity => corners(self, Between::AGREEMENT_CHANNELS, 1, CORNER_RANGE_PX),
             Self::CornerColour => corners(self, Between::COLOUR_CHANNELS, 3, 1.0),
-            Self::Context => u_net(self, &CONTEXT_WIDTHS, 0),
-            Self::ContextDeep => u_net(self, &CONTEXT_WIDTHS, 4),
-            Self::Tiny => u_net(self, &[6, 8, 8], 0),
-            Self::TinyDeep => u_net(self, &[6, 8, 8], 2),
+            Self::Context => u_net(self, &CONTEXT_WIDTHS, [&[], &[]]),
+            Self::ContextDeep => u_net(self, &CONTEXT_WIDTHS, [&[0, 0, 0, 0, 4], &[2; 4]]),
+            Self::ContextDeeper => u_net(self, &CONTEXT_WIDTHS, [&[0, 2, 2, 0, 4], &[2, 2, 6, 5]]),
+            Self::Tiny => u_net(self, &[6, 8, 8], [&[], &[]]),
+            Self::TinyDeep => u_net(self, &[6, 8, 8], [&[0, 0, 2], &[1; 2]]),
             Self::Occlusion => occlusion(),
         }
     }
@@ -290,9 +296,8 @@ impl Arch {
             Self::DirectRegression => Task::Views,
             Self::CornerDisparity => Task::CornerDepth,
             Self::CornerColour => Task::CornerColour,
-            Self::Paper | Self::PaperYx | Self::Context | Self::ContextDeep | Self::Tiny | Self::TinyDeep => {
-                Task::Depth
-            }
+            Self::Paper | Self::PaperYx | Self::Context | Self::ContextDeep | Self::ContextDeeper => Task::Depth,
+            Self::Tiny | Self::TinyDeep => Task::Depth,
         }
     }
 
@@ -312,7 +317,9 @@ impl Arch {
             Self::CornerDisparity => &["agreement"],
             Self::CornerColour => &["corners", "disparity", "view"],
             Self::Occlusion => &["rgb", "disparity"],
-            Self::PaperYx | Self::Context | Self::ContextDeep | Self::Tiny | Self::TinyDeep => &["rgb", "yx"],
+            Self::PaperYx | Self::Context | Self::ContextDeep | Self::ContextDeeper | Self::Tiny | Self::TinyDeep => {
+                &["rgb", "yx"]
+            }
         }
     }
 
@@ -389,5 +396,13 @@ mod tests {
         assert!(parameters < 4_000_000, "{parameters} parameters");
         assert!(graph.flop_per_pixel() < 160_000.0, "{} FLOP a pixel", graph.flop_per_pixel());
         assert_eq!(graph.multiple_of, 16);
+    }
+
+    #[test]
+    fn each_everyday_net_holds_the_one_before_and_fits_its_file_in_16_bits() {
+        let [context, deep, deeper] = [Arch::Context, Arch::ContextDeep, Arch::ContextDeeper].map(Arch::graph);
+        let grown = Weights::random(&context, 1).grown(&deep, 1).and_then(|weights| weights.grown(&deeper, 1)).unwrap();
+        assert!(2 * grown.trained_values() < 12 << 20, "{} parameters", grown.trained_values());
+        assert!(deeper.flop_per_pixel() < 320_000.0, "{} FLOP a pixel", deeper.flop_per_pixel());
     }
 }
