@@ -72,6 +72,7 @@ check "egui only in ui and render/gpu/present" only_in '\b(egui|eframe|egui_wgpu
 check "Fluent only in the window's words" only_in '\bfluent_(bundle|syntax)::' src/ui/words
 check "pyo3 only in the Python package" only_in '\bpyo3::' python
 check "burn only in the trainer" only_in '\bburn::' src/train
+check "libtorch only behind its feature" only_in '\btch::' src/train/torch.rs
 # The op hands the kernel memory that nobody has written yet: clearing it first costs as much as a layer.
 check "unsafe only in the kernel and the op that calls it" only_in '\bunsafe\b *(\{|fn|impl|trait|extern)' src/kernel src/synth/tract/op.rs
 check "ONNX Runtime only behind its feature" only_in '\bort::' 'src/bench*'
