@@ -5,8 +5,8 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use image::AnimationDecoder;
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
+use image::{AnimationDecoder, Frames, ImageDecoder, ImageFormat};
 
 use super::formats::phone::heic;
 use super::open::{open_content, read_file};
@@ -106,26 +106,34 @@ fn halves(file: &PhotoFile) -> Result<Vec<PhotoFile>, Problem> {
     Ok(vec![cut(0)?, cut(width - half)?])
 }
 
+/// Width, height and frames of a GIF, WebP or APNG that moves; nothing is decoded yet.
+fn frames(bytes: &[u8]) -> Option<((u32, u32), Frames<'_>)> {
+    let from = || Cursor::new(bytes);
+    match image::guess_format(bytes).ok()? {
+        ImageFormat::Gif => {
+            let decoder = GifDecoder::new(from()).ok()?;
+            Some((decoder.dimensions(), decoder.into_frames()))
+        }
+        ImageFormat::WebP => {
+            let decoder = WebPDecoder::new(from()).ok()?;
+            decoder.has_animation().then(|| (decoder.dimensions(), decoder.into_frames()))
+        }
+        ImageFormat::Png => {
+            let decoder = PngDecoder::new(from()).ok()?;
+            let moves = decoder.is_apng().ok()?;
+            let size = decoder.dimensions();
+            moves.then(|| decoder.apng().ok()).flatten().map(|decoder| (size, decoder.into_frames()))
+        }
+        _ => None,
+    }
+}
+
 /// The pictures of a GIF, WebP or APNG that moves; none of other files. Of many, some that are evenly apart.
 fn animation(bytes: &[u8], job: &Job) -> Result<Vec<PhotoFile>, Problem> {
-    let from = || Cursor::new(bytes);
-    let frames = match image::guess_format(bytes) {
-        Ok(image::ImageFormat::Gif) => GifDecoder::new(from()).map(AnimationDecoder::into_frames),
-        Ok(image::ImageFormat::WebP) => match WebPDecoder::new(from()) {
-            Ok(decoder) if decoder.has_animation() => Ok(decoder.into_frames()),
-            _ => return Ok(Vec::new()),
-        },
-        Ok(image::ImageFormat::Png) => {
-            let decoder = PngDecoder::new(from());
-            match decoder.and_then(|decoder| if decoder.is_apng()? { decoder.apng().map(Some) } else { Ok(None) }) {
-                Ok(Some(decoder)) => Ok(decoder.into_frames()),
-                _ => return Ok(Vec::new()),
-            }
-        }
-        _ => return Ok(Vec::new()),
-    };
     // A broken one is told of where it is opened as a photo.
-    let Ok(frames) = frames else { return Ok(Vec::new()) };
+    let Some(((width, height), frames)) = frames(bytes) else { return Ok(Vec::new()) };
+    // Before the first frame, for which a decoder takes the memory of the whole canvas.
+    raster::check_size(width.into(), height.into(), 4 * MOST as u64, bytes.len().max(1 << 20))?;
     let (mut kept, mut every) = (Vec::new(), 1);
     for (number, frame) in frames.enumerate() {
         job.check()?;
@@ -135,7 +143,6 @@ fn animation(bytes: &[u8], job: &Job) -> Result<Vec<PhotoFile>, Problem> {
         }
         let picture = frame.into_buffer();
         let size: Size = [picture.width(), picture.height()];
-        raster::check_size(size[0].into(), size[1].into(), 4 * MOST as u64, bytes.len().max(1 << 20))?;
         kept.push((size, picture.into_raw()));
         if kept.len() == 2 * MOST {
             let mut index = 0;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::ImageFormat;
 use plenoscope::io::formats::{FieldToWrite, TABLE, views};
-use plenoscope::io::{self, Opened};
+use plenoscope::io::{self, Opened, several};
 use plenoscope::job::{Cancel, Job};
 
 use crate::harness::{run, run_within};
@@ -75,6 +75,23 @@ fn headers_that_claim_millions_of_pixels() {
     assert!(text.contains("16000×16000"), "{text}");
     let billion = png(patched(seeds::still(ImageFormat::Png), b"IHDR", 0, &[0, 0, 0x82, 0x35, 0, 0, 0x82, 0x35]));
     assert!(refused("a billion pixels", &billion).contains("more than fit"));
+}
+
+#[test]
+fn animations_that_claim_millions_of_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let (le, be) = (60_000u16.to_le_bytes(), 60_000u32.to_be_bytes());
+    let [gif, mut apng, _] = seeds::several().try_into().unwrap();
+    // The first frame fills the canvas.
+    apng = patched(patched(apng, b"IHDR", 0, &[be, be].concat()), b"fcTL", 4, &[be, be].concat());
+    seeds::mend_png(&mut apng);
+    for (name, bytes) in [("a.gif", patched(gif, b"GIF89a", 0, &[le, le].concat())), ("a.png", apng)] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let job = Job { cancel: &Cancel::default(), sink: &() };
+        let text = run(name, || several::photos(&path, &job)).map(|photos| photos.len()).unwrap_err();
+        assert!(text.contains("60000×60000"), "{name}: {text}");
+    }
 }
 
 /// A whole picture of one colour in a few bytes.
