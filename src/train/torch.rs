@@ -130,9 +130,7 @@ impl<'a> Pass<'a> {
     }
 
     fn find(&self, conv: &Conv, what: &str) -> Result<(usize, &'a Tensor32), TrainError> {
-        let name = format!("{}.{what}", conv.name);
-        let at = self.weights.tensors.iter().position(|t| t.name == name);
-        at.map(|at| (at, &self.weights.tensors[at])).ok_or(TrainError::Missing { name })
+        self.weights.find(&format!("{}.{what}", conv.name))
     }
 
     fn array(&self, conv: &Conv, what: &str) -> Result<Tensor, TrainError> {

@@ -3,7 +3,7 @@
 use burn::tensor::{Device, Gradients, Tensor, TensorData};
 use rayon::prelude::*;
 
-use super::{Conv, End, Graph, Node, Tensor32, Weights};
+use super::{Conv, End, Graph, Node, Weights};
 use crate::TrainError;
 use crate::device;
 use crate::ops::{self, Path};
@@ -160,13 +160,8 @@ impl<'a> Tape<'a> {
         }
     }
 
-    fn find(&self, name: &str) -> Result<(usize, &Tensor32), TrainError> {
-        let at = self.weights.tensors.iter().position(|t| t.name == name);
-        at.map(|i| (i, &self.weights.tensors[i])).ok_or_else(|| TrainError::Missing { name: name.to_owned() })
-    }
-
     fn load<const D: usize>(&self, name: &str) -> Result<(usize, Tensor<D>, bool), TrainError> {
-        let (at, array) = self.find(name)?;
+        let (at, array) = self.weights.find(name)?;
         let tensor = Tensor::from_data(TensorData::new(array.values.clone(), array.shape.clone()), &self.device);
         let trained = array.trained && self.mode == Mode::Train;
         Ok((at, if trained { tensor.require_grad() } else { tensor }, trained))

@@ -67,7 +67,13 @@ impl Weights {
 
     /// The array of a name.
     pub fn get(&self, name: &str) -> Result<&Tensor32, TrainError> {
-        self.tensors.iter().find(|t| t.name == name).ok_or_else(|| TrainError::Missing { name: name.to_owned() })
+        self.find(name).map(|(_, array)| array)
+    }
+
+    /// The same with its index.
+    pub fn find(&self, name: &str) -> Result<(usize, &Tensor32), TrainError> {
+        let found = self.tensors.iter().enumerate().find(|(_, t)| t.name == name);
+        found.ok_or_else(|| TrainError::Missing { name: name.to_owned() })
     }
 
     /// Multiplies what the last layer says before its tanh: ray depths by nearly as much, as they keep far from ±4 px.
