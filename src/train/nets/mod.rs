@@ -21,8 +21,6 @@ pub const SIDE: usize = 8;
 pub const REFERENCE: usize = 36;
 /// Name of the last layer, whose rows are a depth net's views.
 const LAST: &str = "last";
-/// Name of the further convolutions at a U-Net's deepest level.
-const DEEPEST: &str = "deepest";
 /// Channels of the everyday nets, from full size to a sixteenth.
 const CONTEXT_WIDTHS: [usize; 5] = [16, 32, 80, 160, 224];
 /// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
@@ -180,11 +178,10 @@ impl Builder {
         self.push(Node::Conv(from, conv), outputs)
     }
 
-    /// Adds convolutions of as many channels whose results are added to what they read; at the deepest level every other looks
-    /// further.
-    fn refine(&mut self, name: &str, count: usize) {
+    /// Adds convolutions of as many channels whose results are added to what they read, with dilations 1 … `farthest` in turn.
+    fn refine(&mut self, name: &str, count: usize, farthest: usize) {
         for i in 0..count {
-            let dilation = if name == DEEPEST { 1 + i % 2 } else { 1 };
+            let dilation = 1 + i % farthest;
             let (from, name) = (self.last(), format!("{name}_more{i}"));
             let width = self.channels[from];
             let conv = Conv { name, inputs: width, outputs: width, dilation, end: End::NormElu, added: true };
@@ -233,8 +230,8 @@ fn u_net(arch: Arch, widths: &[usize], [down, up]: [&[usize]; 2]) -> Graph {
         for (i, &dilation) in dilations.iter().enumerate() {
             net.conv(&format!("down{level}_{i}"), width, dilation, End::NormElu);
         }
-        let further = if level == deepest { DEEPEST.to_owned() } else { format!("down{level}") };
-        net.refine(&further, down.get(level).copied().unwrap_or(0));
+        let (name, farthest) = if level == deepest { ("deepest".to_owned(), 2) } else { (format!("down{level}"), 1) };
+        net.refine(&name, down.get(level).copied().unwrap_or(0), farthest);
         skips.push(net.last());
     }
     for level in (0..deepest).rev() {
@@ -242,7 +239,7 @@ fn u_net(arch: Arch, widths: &[usize], [down, up]: [&[usize]; 2]) -> Graph {
         for i in 0..2 {
             net.conv(&format!("up{level}_{i}"), widths[level], 1, End::NormElu);
         }
-        net.refine(&format!("up{level}"), up.get(level).copied().unwrap_or(0));
+        net.refine(&format!("up{level}"), up.get(level).copied().unwrap_or(0), 1);
     }
     net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
     net.finish(arch, 2, 1 << deepest)
