@@ -34,7 +34,8 @@ impl Batch {
     pub fn photos(&self) -> Vec<f32> {
         let (one, all) = (3 * self.maps.plane(), 3 * self.maps.plane() * self.maps.views.len());
         let from = self.maps.reference() * one;
-        self.views.chunks(all).flat_map(|views| &views[from..from + one]).copied().collect()
+        let photos: Vec<&[f32]> = self.views.chunks(all).map(|views| &views[from..from + one]).collect();
+        photos.concat()
     }
 
     /// What the depth net is given: `[n, 3 or 5, h, w]`, colours in −1 … 1, then y and x in −1 … 1 over the whole picture.
@@ -44,8 +45,8 @@ impl Batch {
         for (photo, [top, bottom, left, right]) in self.photos().chunks(3 * p).zip(&self.yx) {
             input.extend(photo.iter().map(|v| 2.0 * v - 1.0));
             if coordinates {
-                input.extend((0..p).map(|i| along(i / w, h, *top, *bottom)));
-                input.extend((0..p).map(|i| along(i % w, w, *left, *right)));
+                (0..h).for_each(|y| input.extend(std::iter::repeat_n(along(y, h, *top, *bottom), w)));
+                (0..h).for_each(|_| input.extend((0..w).map(|x| along(x, w, *left, *right))));
             }
         }
         input

@@ -212,8 +212,8 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub pitfalls: f32,
-    /// Threads of the trainer
-    #[arg(long, default_value_t = 2)]
+    /// Threads of the trainer; 0 means all
+    #[arg(long, default_value_t = 0)]
     pub threads: usize,
     /// Threads of the data engine
     #[arg(long, default_value_t = 1)]

@@ -8,6 +8,7 @@ pub mod contact;
 pub mod corners;
 pub mod curves;
 pub mod data;
+mod depth_losses;
 pub mod device;
 mod error;
 pub mod eval;

@@ -9,8 +9,9 @@ use crate::TrainError;
 use crate::batch::{Batch, blank_patches, drop_coordinates};
 use crate::checkpoint::Checkpoint;
 use crate::config::{Config, LossWeights};
+use crate::depth_losses::depth_losses;
 use crate::device::Place;
-use crate::loss::{self, Along, Maps};
+use crate::loss::{self, Maps};
 #[cfg(feature = "torch")]
 use crate::nets::thinning;
 use crate::nets::{ByArray, Graph, Mode, Statistics, Tape, Weights, values, zeros};
@@ -34,94 +35,9 @@ pub struct Report {
     pub norm: f32,
 }
 
-/// Long side at which the losses' weights are meant; ray depths in px shrink with the picture.
-const UNIT_SIDE_PX: f32 = 288.0;
-
-/// The share of the largest errors that is trimmed where the truth is worth nothing.
-const MOST_TRIMMED: f32 = 0.25;
-
 /// Tell the chance of left-out channels and of blank patches from that of the data.
 const DROPPING: u64 = 0x6472_6f70;
 const BLANKING: u64 = 0x626c_616e;
-
-/// All losses of a batch of predicted ray depths, and their weighed gradient.
-pub fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
-    let maps = &batch.maps;
-    let mut gradient = zeros(depth.len());
-    let g = &mut gradient[..];
-    let truth = &batch.truth[..];
-    let small = maps.width.max(maps.height) as f32 / UNIT_SIDE_PX;
-    let mut parts = Parts::new();
-    parts.insert("reference", reference_error(batch, depth) / small);
-    if weights.w_photometric > 0.0 {
-        parts.insert(
-            "photometric",
-            loss::photometric(maps, &batch.photos(), &batch.views, depth, weights.w_photometric, g),
-        );
-    }
-    if weights.w_supervised > 0.0 {
-        parts.insert("supervised", loss::supervised(depth, truth, weights.w_supervised / small, g) / small);
-    }
-    if weights.w_row > 0.0 {
-        parts.insert("row", loss::row_centred(maps, depth, truth, weights.w_row / small, g) / small);
-    }
-    // What is true is true in its finer steps, too.
-    let finer = |worth: &f32| if *worth < 1.0 { 1.0 } else { 0.4 };
-    let apart: Vec<f32> = batch.worth.iter().map(|w| weights.ordinal_apart_px * small * finer(w)).collect();
-    let pairs = [("ordinal", Along::Rows, weights.w_ordinal), ("columns", Along::Columns, weights.w_columns)];
-    for (name, along, weight) in pairs.into_iter().filter(|(.., weight)| *weight > 0.0) {
-        parts.insert(name, loss::ordinal(maps, depth, truth, along, &apart, weight / small, g) / small);
-    }
-    if weights.w_affine > 0.0 {
-        let size = maps.views.len() * maps.plane();
-        let samples = depth.par_chunks(size).zip(truth.par_chunks(size));
-        let fit = |((d, t), worth): ((&[f32], &[f32]), &f32)| loss::Fit {
-            affine: loss::affine_fit(d, t),
-            trim: MOST_TRIMMED * (1.0 - worth),
-        };
-        let fits: Vec<_> = samples.zip(&batch.worth).map(fit).collect();
-        parts.insert(
-            "affine",
-            loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
-        );
-    }
-    if weights.w_thin > 0.0 {
-        // A map that another net made knows no thin parts.
-        let known = |(apart, worth): (&f32, &f32)| if *worth < 1.0 { 0.0 } else { *apart };
-        let apart: Vec<f32> = apart.iter().zip(&batch.worth).map(known).collect();
-        parts.insert("thin", loss::thin_parts(maps, depth, truth, &apart, weights.w_thin / small, g) / small);
-    }
-    smoothness(maps, depth, weights, small, g, &mut parts);
-    // What is worth less moves the net less; the losses told are those of all.
-    let one = maps.views.len() * maps.plane();
-    gradient.chunks_mut(one).zip(&batch.worth).for_each(|(g, worth)| g.iter_mut().for_each(|g| *g *= worth));
-    // A mask is worth as much whatever the map beside it is.
-    if weights.w_subject > 0.0 {
-        let (margin, weight) = (2.0 * weights.ordinal_apart_px * small, weights.w_subject / small);
-        let loss = loss::subject_order(maps, depth, &batch.subjects, margin, weight, &mut gradient);
-        parts.insert("subject", loss / small);
-    }
-    (parts, gradient)
-}
-
-/// Mean |D − D*| of the reference views alone: a figure to watch, not a loss.
-fn reference_error(batch: &Batch, depth: &[f32]) -> f32 {
-    let (plane, all) = (batch.maps.plane(), batch.maps.views.len() * batch.maps.plane());
-    let here = batch.maps.reference() * plane..(batch.maps.reference() + 1) * plane;
-    let samples = depth.chunks(all).zip(batch.truth.chunks(all));
-    let pairs = samples.flat_map(|(d, t)| d[here.clone()].iter().zip(&t[here.clone()]));
-    let errors: Vec<f32> = pairs.filter(|(_, t)| !t.is_nan()).map(|(d, t)| (d - t).abs()).collect();
-    errors.iter().sum::<f32>() / errors.len().max(1) as f32
-}
-
-fn smoothness(maps: &Maps, depth: &[f32], weights: &LossWeights, small: f32, g: &mut [f32], parts: &mut Parts) {
-    if weights.w_consistency > 0.0 {
-        parts.insert("consistency", loss::consistency(maps, depth, weights.w_consistency / small, g) / small);
-    }
-    if weights.w_tv > 0.0 {
-        parts.insert("tv", loss::total_variation(maps, depth, weights.w_tv / small, g) / small);
-    }
-}
 
 /// The scalar whose gradient with respect to `y` is `gradient`: Σ y·gradient. Losses are computed outside the tensor
 /// library; this is how their gradient enters its backward pass.

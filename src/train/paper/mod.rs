@@ -69,8 +69,8 @@ pub struct Asked {
     /// Names of files to judge by, one a line
     #[arg(long, value_name = "FILE", requires = "train_list")]
     pub test_list: Option<PathBuf>,
-    /// Threads of the trainer
-    #[arg(long, default_value_t = 2)]
+    /// Threads of the trainer; 0 means all
+    #[arg(long, default_value_t = 0)]
     pub threads: usize,
     /// What computes
     #[arg(long, value_enum, default_value_t)]
@@ -176,7 +176,7 @@ fn written(
     };
     let panels = shown.map(panels::all).unwrap_or_default();
     let synthesis_secs = nets.get(&Method::Ours).map(|ours| timed(ours, &Method::Ours.config(asked))).transpose()?;
-    report::write(&asked.out, &summary, &panels, &Times { synthesis_secs, threads: asked.threads })
+    report::write(&asked.out, &summary, &panels, &Times { synthesis_secs, threads: rayon::current_num_threads() })
 }
 
 /// Seconds for a light field of the paper's size.

@@ -55,7 +55,7 @@ pub fn command() -> Command {
                 .default_value("1")
                 .value_parser(share),
         )
-        .arg(arg!(--threads <N> "Threads").default_value("2").value_parser(value_parser!(usize)))
+        .arg(arg!(--threads <N> "Threads; 0 means all").default_value("0").value_parser(value_parser!(usize)))
 }
 
 fn share(text: &str) -> Result<f32, String> {
@@ -74,7 +74,7 @@ pub fn run(matches: &ArgMatches, stop: &AtomicBool, told: &dyn Fn(&str)) -> Resu
     let teachers = Teachers {
         nets: nets.collect::<Result<_, _>>()?,
         share: matches.get_one("share").copied().unwrap_or(1.0),
-        threads: matches.get_one("threads").copied().unwrap_or(1),
+        threads: matches.get_one("threads").copied().unwrap_or(0),
     };
     let mut counts = [0; 3];
     for folder in TAUGHT {
