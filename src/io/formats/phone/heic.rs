@@ -52,7 +52,7 @@ fn problem(error: impl std::fmt::Display) -> Problem {
 
 /// Decodes a picture beside the main one, if its size is bearable: a size, pixels, and what white is.
 pub(super) fn decode_item(file: &HeifFile, bytes: &[u8], id: ItemId) -> Result<Other, Problem> {
-    check_item(file, bytes.len(), id)?;
+    check_item(file, bytes.len(), id, DEEP_BYTES)?;
     let Decoded { size, pixels, told, .. } = apart::decode(Task::HeicItem(id), bytes)?;
     match pixels.into_samples() {
         Samples::Sixteen(pixels) => Ok(Other { size, pixels, white: f32::from(told[0]) }),
@@ -71,7 +71,7 @@ pub(super) struct Other {
 /// The decoder's part of [`decode_item`].
 pub(crate) fn decode_other(bytes: &[u8], id: ItemId) -> Result<Decoded, Problem> {
     let file = HeifFile::parse(bytes).map_err(problem)?;
-    check_item(&file, bytes.len(), id)?;
+    check_item(&file, bytes.len(), id, DEEP_BYTES)?;
     let image = heifer::decode_item(&file, id, 0).map_err(problem)?;
     let told = [image.max_value(), 0, 0, 0];
     let pixels = RgbaPixels::Samples(Samples::Sixteen(image.data.as_chunks().0.to_vec()));
@@ -81,9 +81,10 @@ pub(crate) fn decode_other(bytes: &[u8], id: ItemId) -> Result<Decoded, Problem>
 /// The decoder's part of a photo: its pixels, turned.
 pub(crate) fn decode_pixels(bytes: &[u8]) -> Result<Decoded, Problem> {
     let file = HeifFile::parse(bytes).map_err(problem)?;
-    check_item(&file, bytes.len(), file.primary_id)?;
-    let options = heifer::Options { max_threads: 0, max_pixels: MAX_PIXELS };
-    let (size, has_alpha, pixels) = if bits(&file, file.primary_id) <= 8 {
+    let bytes_per_pixel = photo_bytes(&file);
+    check_item(&file, bytes.len(), file.primary_id, bytes_per_pixel)?;
+    let options = heifer::Options { max_threads: 0, max_pixels: MAX_DECODED_BYTES / bytes_per_pixel };
+    let (size, has_alpha, pixels) = if bytes_per_pixel < DEEP_BYTES {
         let image = heifer::decode_rgba8(bytes, &options).map_err(problem)?;
         ([image.width, image.height], image.has_alpha, RgbaPixels::Bytes(image.data))
     } else {
@@ -96,20 +97,25 @@ pub(crate) fn decode_pixels(bytes: &[u8]) -> Result<Decoded, Problem> {
     Ok(Decoded { size, pixels, has_alpha, told: [0; 4] })
 }
 
-/// Most pixels of one picture: 16 bits a channel fit into memory then.
-const MAX_PIXELS: u64 = MAX_DECODED_BYTES / 8;
+/// Bytes of a pixel that is decoded to 16 bits a channel.
+const DEEP_BYTES: u64 = 8;
+
+/// Bytes that a pixel of the photo is decoded to.
+fn photo_bytes(file: &HeifFile) -> u64 {
+    if bits(file, file.primary_id) <= 8 { DEEP_BYTES / 2 } else { DEEP_BYTES }
+}
 
 /// Refuses an item that is too large, or that is put together without end.
-fn check_item(file: &HeifFile, file_bytes: usize, id: ItemId) -> Result<(), Problem> {
+fn check_item(file: &HeifFile, file_bytes: usize, id: ItemId, bytes_per_pixel: u64) -> Result<(), Problem> {
     if let Some((width, height)) = file.image_size(id).map_err(problem)? {
-        check_size(width.into(), height.into(), 8, file_bytes)?;
+        check_size(width.into(), height.into(), bytes_per_pixel, file_bytes)?;
     }
     check_parts(file, id, FORMAT)
 }
 
 fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
     let id = file.primary_id;
-    check_item(file, bytes.len(), id)?;
+    check_item(file, bytes.len(), id, photo_bytes(file))?;
     let Decoded { size, pixels, has_alpha, .. } = apart::decode(Task::Heic, bytes)?;
     let samples = pixels.into_samples();
     let metadata = heifer::item_metadata(file, id).unwrap_or_default();
@@ -186,4 +192,24 @@ fn decode_depth(file: &HeifFile, bytes: &[u8], id: ItemId) -> Result<EmbeddedDep
 fn missing_turn(file: &HeifFile, id: ItemId) -> u8 {
     let [photo, own] = [turn(file, file.primary_id), turn(file, id)];
     if own == 1 { photo } else { 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_photo_of_8_bits_may_have_200_megapixels_and_one_of_more_bits_half_as_many() {
+        let mut bytes = heifer::encode_rgb8(16, 16, &[128; 3 * 16 * 16], &heifer::EncodeOptions::default()).unwrap();
+        let sizes: Vec<usize> = (0..bytes.len() - 16).filter(|&at| &bytes[at..at + 4] == b"ispe").collect();
+        for at in sizes {
+            bytes[at + 8..at + 12].copy_from_slice(&16_384u32.to_be_bytes());
+            bytes[at + 12..at + 16].copy_from_slice(&12_288u32.to_be_bytes());
+        }
+        let file = HeifFile::parse(&bytes).unwrap();
+        let check = |bytes_per_pixel| check_item(&file, 1 << 20, file.primary_id, bytes_per_pixel);
+        check(photo_bytes(&file)).unwrap();
+        let refused = check(DEEP_BYTES);
+        assert!(matches!(refused, Err(Problem::TooLarge { width: 16_384, height: 12_288, .. })), "{refused:?}");
+    }
 }
