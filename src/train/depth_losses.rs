@@ -1,10 +1,10 @@
-//! The losses of predicted ray depths, beside each other, and their gradient.
+//! All losses of predicted ray depths, and their weighed gradient.
 
 use rayon::prelude::*;
 
 use crate::batch::Batch;
 use crate::config::LossWeights;
-use crate::loss::{self, Along};
+use crate::loss::{self, Along, Maps};
 use crate::nets::zeros;
 use crate::step::Parts;
 
@@ -14,129 +14,65 @@ const UNIT_SIDE_PX: f32 = 288.0;
 /// The share of the largest errors that is trimmed where the truth is worth nothing.
 const MOST_TRIMMED: f32 = 0.25;
 
-/// A loss: its value, and its weighed gradient added to what it is given.
-type Loss<'a> = Box<dyn Fn(&mut [f32]) -> f32 + Send + Sync + 'a>;
-
-/// A loss of ray depths among others.
-struct Term<'a> {
-    name: &'static str,
-    /// Whether what the truth of a sample is worth counts; a mask is worth as much whatever the map beside it is.
-    by_worth: bool,
-    loss: Loss<'a>,
-}
-
 /// All losses of a batch of predicted ray depths, and their weighed gradient.
 pub(crate) fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
     let maps = &batch.maps;
-    let small = maps.width.max(maps.height) as f32 / UNIT_SIDE_PX;
-    let photos = if weights.w_photometric > 0.0 { batch.photos() } else { Vec::new() };
-    let mut terms = Vec::new();
-    towards_truth(batch, depth, weights, small, &mut terms);
-    of_pictures((batch, &photos), depth, weights, small, &mut terms);
-    // Beside each other, as one alone is too short for the threads of a large machine.
-    let run = |term: &Term<'_>| {
-        let mut gradient = zeros(depth.len());
-        ((term.loss)(&mut gradient), gradient)
-    };
-    let done: Vec<(f32, Vec<f32>)> = terms.par_iter().map(run).collect();
-    let mut parts: Parts = terms.iter().zip(&done).map(|(term, (loss, _))| (term.name, *loss)).collect();
-    parts.insert("reference", reference_error(batch, depth) / small);
     let mut gradient = zeros(depth.len());
-    let one = maps.views.len() * maps.plane();
-    gradient.par_chunks_mut(one).zip(&batch.worth).enumerate().for_each(|(sample, (gradient, worth))| {
-        for (term, (_, of_term)) in terms.iter().zip(&done) {
-            // What is worth less moves the net less; the losses told are those of all.
-            let worth = if term.by_worth { *worth } else { 1.0 };
-            let of_sample = &of_term[sample * one..][..one];
-            gradient.iter_mut().zip(of_sample).for_each(|(sum, g)| *sum += worth * g);
-        }
-    });
-    (parts, gradient)
-}
-
-/// Losses against known ray depths.
-fn towards_truth<'a>(
-    batch: &'a Batch,
-    depth: &'a [f32],
-    weights: &'a LossWeights,
-    small: f32,
-    terms: &mut Vec<Term<'a>>,
-) {
-    let (maps, truth) = (&batch.maps, &batch.truth[..]);
-    let mut add = |name, weight: f32, loss: Loss<'a>| {
-        if weight > 0.0 {
-            terms.push(Term { name, by_worth: true, loss });
-        }
-    };
-    let weight = weights.w_supervised / small;
-    add("supervised", weight, Box::new(move |g| loss::supervised(depth, truth, weight, g) / small));
-    let weight = weights.w_row / small;
-    add("row", weight, Box::new(move |g| loss::row_centred(maps, depth, truth, weight, g) / small));
+    let g = &mut gradient[..];
+    let truth = &batch.truth[..];
+    let small = maps.width.max(maps.height) as f32 / UNIT_SIDE_PX;
+    let mut parts = Parts::new();
+    parts.insert("reference", reference_error(batch, depth) / small);
+    // Of the reference view alone, views tell nothing.
+    if weights.w_photometric > 0.0 && maps.views.len() > 1 {
+        parts.insert(
+            "photometric",
+            loss::photometric(maps, &batch.photos(), &batch.views, depth, weights.w_photometric, g),
+        );
+    }
+    if weights.w_supervised > 0.0 {
+        parts.insert("supervised", loss::supervised(depth, truth, weights.w_supervised / small, g) / small);
+    }
+    if weights.w_row > 0.0 {
+        parts.insert("row", loss::row_centred(maps, depth, truth, weights.w_row / small, g) / small);
+    }
     // What is true is true in its finer steps, too.
     let finer = |worth: &f32| if *worth < 1.0 { 1.0 } else { 0.4 };
     let apart: Vec<f32> = batch.worth.iter().map(|w| weights.ordinal_apart_px * small * finer(w)).collect();
     let pairs = [("ordinal", Along::Rows, weights.w_ordinal), ("columns", Along::Columns, weights.w_columns)];
-    for (name, along, weight) in pairs {
-        let (apart, weight) = (apart.clone(), weight / small);
-        add(name, weight, Box::new(move |g| loss::ordinal(maps, depth, truth, along, &apart, weight, g) / small));
+    for (name, along, weight) in pairs.into_iter().filter(|(.., weight)| *weight > 0.0) {
+        parts.insert(name, loss::ordinal(maps, depth, truth, along, &apart, weight / small, g) / small);
     }
-    let (weight, edges) = (weights.w_affine / small, weights.w_edges);
-    add(
-        "affine",
-        weight,
-        Box::new(move |g| loss::affine(maps, depth, truth, &fits(batch, depth), edges, weight, g) / small),
-    );
-    // A map that another net made knows no thin parts.
-    let known = |(apart, worth): (&f32, &f32)| if *worth < 1.0 { 0.0 } else { *apart };
-    let apart: Vec<f32> = apart.iter().zip(&batch.worth).map(known).collect();
-    let weight = weights.w_thin / small;
-    add("thin", weight, Box::new(move |g| loss::thin_parts(maps, depth, truth, &apart, weight, g) / small));
-}
-
-/// What brings each sample's prediction to its truth.
-fn fits(batch: &Batch, depth: &[f32]) -> Vec<loss::Fit> {
-    let size = batch.maps.views.len() * batch.maps.plane();
-    let samples = depth.par_chunks(size).zip(batch.truth.par_chunks(size));
-    let fit = |((d, t), worth): ((&[f32], &[f32]), &f32)| loss::Fit {
-        affine: loss::affine_fit(d, t),
-        trim: MOST_TRIMMED * (1.0 - worth),
-    };
-    samples.zip(&batch.worth).map(fit).collect()
-}
-
-/// Losses by the views and the masks, and regularisers. Of the reference view alone, views tell nothing.
-fn of_pictures<'a>(
-    (batch, photos): (&'a Batch, &'a [f32]),
-    depth: &'a [f32],
-    weights: &'a LossWeights,
-    small: f32,
-    terms: &mut Vec<Term<'a>>,
-) {
-    let maps = &batch.maps;
-    let mut add = |name, weight: f32, by_worth: bool, loss: Loss<'a>| {
-        if weight > 0.0 {
-            terms.push(Term { name, by_worth, loss });
-        }
-    };
-    let weight = if maps.views.len() > 1 { weights.w_photometric } else { 0.0 };
-    add(
-        "photometric",
-        weight,
-        true,
-        Box::new(move |g| loss::photometric(maps, photos, &batch.views, depth, weight, g)),
-    );
-    let weight = weights.w_consistency / small;
-    add("consistency", weight, true, Box::new(move |g| loss::consistency(maps, depth, weight, g) / small));
-    let weight = weights.w_tv / small;
-    add("tv", weight, true, Box::new(move |g| loss::total_variation(maps, depth, weight, g) / small));
-    let (margin, weight) = (2.0 * weights.ordinal_apart_px * small, weights.w_subject / small);
-    let subjects = &batch.subjects[..];
-    add(
-        "subject",
-        weight,
-        false,
-        Box::new(move |g| loss::subject_order(maps, depth, subjects, margin, weight, g) / small),
-    );
+    if weights.w_affine > 0.0 {
+        let size = maps.views.len() * maps.plane();
+        let samples = depth.par_chunks(size).zip(truth.par_chunks(size));
+        let fit = |((d, t), worth): ((&[f32], &[f32]), &f32)| loss::Fit {
+            affine: loss::affine_fit(d, t),
+            trim: MOST_TRIMMED * (1.0 - worth),
+        };
+        let fits: Vec<_> = samples.zip(&batch.worth).map(fit).collect();
+        parts.insert(
+            "affine",
+            loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
+        );
+    }
+    if weights.w_thin > 0.0 {
+        // A map that another net made knows no thin parts.
+        let known = |(apart, worth): (&f32, &f32)| if *worth < 1.0 { 0.0 } else { *apart };
+        let apart: Vec<f32> = apart.iter().zip(&batch.worth).map(known).collect();
+        parts.insert("thin", loss::thin_parts(maps, depth, truth, &apart, weights.w_thin / small, g) / small);
+    }
+    smoothness(maps, depth, weights, small, g, &mut parts);
+    // What is worth less moves the net less; the losses told are those of all.
+    let one = maps.views.len() * maps.plane();
+    gradient.chunks_mut(one).zip(&batch.worth).for_each(|(g, worth)| g.iter_mut().for_each(|g| *g *= worth));
+    // A mask is worth as much whatever the map beside it is.
+    if weights.w_subject > 0.0 {
+        let (margin, weight) = (2.0 * weights.ordinal_apart_px * small, weights.w_subject / small);
+        let loss = loss::subject_order(maps, depth, &batch.subjects, margin, weight, &mut gradient);
+        parts.insert("subject", loss / small);
+    }
+    (parts, gradient)
 }
 
 /// Mean |D − D*| of the reference views alone: a figure to watch, not a loss.
@@ -147,6 +83,15 @@ fn reference_error(batch: &Batch, depth: &[f32]) -> f32 {
     let pairs = samples.flat_map(|(d, t)| d[here.clone()].iter().zip(&t[here.clone()]));
     let errors: Vec<f32> = pairs.filter(|(_, t)| !t.is_nan()).map(|(d, t)| (d - t).abs()).collect();
     errors.iter().sum::<f32>() / errors.len().max(1) as f32
+}
+
+fn smoothness(maps: &Maps, depth: &[f32], weights: &LossWeights, small: f32, g: &mut [f32], parts: &mut Parts) {
+    if weights.w_consistency > 0.0 {
+        parts.insert("consistency", loss::consistency(maps, depth, weights.w_consistency / small, g) / small);
+    }
+    if weights.w_tv > 0.0 {
+        parts.insert("tv", loss::total_variation(maps, depth, weights.w_tv / small, g) / small);
+    }
 }
 
 #[cfg(test)]

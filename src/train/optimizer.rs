@@ -50,22 +50,22 @@ impl AdamW {
         self.steps += 1;
         let correct = |beta: f32| 1.0 - f64::from(beta).powf(self.steps as f64) as f32;
         let (c1, c2) = (correct(BETA.0), correct(BETA.1));
-        let mut of_arrays = vec![None; weights.tensors.len()];
-        gradients.iter().for_each(|(at, gradient)| of_arrays[*at] = Some(gradient));
-        // Arrays beside each other, as most alone are too short for the threads of a large machine.
-        let moments = (self.first.par_iter_mut(), self.second.par_iter_mut());
-        let arrays = (weights.tensors.par_iter_mut(), of_arrays, moments.0, moments.1).into_par_iter();
-        arrays.for_each(|(array, gradient, first, second)| {
-            let Some(gradient) = gradient else { return };
+        for (at, gradient) in gradients {
+            let array = &mut weights.tensors[*at];
             let decay = if array.shape.len() > 1 { step.lr * step.weight_decay } else { 0.0 };
-            let values = (array.values.par_iter_mut(), gradient, first.par_iter_mut(), second.par_iter_mut());
-            values.into_par_iter().with_min_len(8192).for_each(|(w, g, m, v)| {
+            let arrays = (
+                array.values.par_iter_mut(),
+                gradient,
+                self.first[*at].par_iter_mut(),
+                self.second[*at].par_iter_mut(),
+            );
+            arrays.into_par_iter().with_min_len(8192).for_each(|(w, g, m, v)| {
                 let g = g * scale;
                 *m += (1.0 - BETA.0) * (g - *m);
                 *v += (1.0 - BETA.1) * (g * g - *v);
                 *w -= decay * *w + step.lr * (*m / c1) / ((*v / c2).sqrt() + EPSILON);
             });
-        });
+        }
         norm
     }
 }

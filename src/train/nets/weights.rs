@@ -93,10 +93,10 @@ impl Weights {
 
     /// Moves every value by `part` of the way to another net's.
     pub fn approach(&mut self, other: &Self, part: f32) {
-        self.tensors.par_iter_mut().zip(&other.tensors).for_each(|(to, from)| {
+        for (to, from) in self.tensors.iter_mut().zip(&other.tensors) {
             let pairs = to.values.par_iter_mut().zip(&from.values).with_min_len(8192);
             pairs.for_each(|(to, from)| *to += part * (from - *to));
-        });
+        }
     }
 
     /// Number of values that the optimiser changes.
