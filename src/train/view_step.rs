@@ -1,7 +1,8 @@
 //! Training of what the paper compares itself with: nets that give views without ray depths.
 //!
 //! *Appearance flow* (Zhou et al. 2016): the depth net with two maps a view, where in the photo each ray's colour lies.
-//! *Direct regression*: the same layers with the colours themselves as their result. Both learn by ‖L̂ − L‖₁ alone.
+//! *Direct regression*: the same layers say what is to be added to the photo's colours, so it begins near the photo copied.
+//! Both learn by ‖L̂ − L‖₁ alone.
 
 use crate::TrainError;
 use crate::batch::Batch;
@@ -20,7 +21,7 @@ pub fn step(net: &mut Checkpoint, batch: &Batch, config: &Config, done: f64) -> 
         let mut gradient = zeros(said.len());
         let loss = match task {
             Task::Flow => loss::flowed(&batch.maps, &batch.photos(), &batch.views, said, weight, &mut gradient),
-            _ => loss::regressed(&batch.views, said, weight, &mut gradient),
+            _ => loss::regressed(&batch.maps, &batch.photos(), &batch.views, said, weight, &mut gradient),
         };
         (Parts::from([("views", loss)]), gradient)
     };
@@ -36,10 +37,8 @@ pub fn step(net: &mut Checkpoint, batch: &Batch, config: &Config, done: f64) -> 
 pub fn infer(net: &Checkpoint, batch: &Batch, config: &Config) -> Result<Vec<f32>, TrainError> {
     let mut tape = Tape::new(net.best(), Mode::Infer, path(config))?;
     let said = predict(&mut tape, &net.arch.graph(), batch).map(values)?;
-    Ok(match net.arch.task() {
-        Task::Flow => loss::flowed_views(&batch.maps, &batch.photos(), &said),
-        _ => said.iter().map(|y| (0.5 * (y + 1.0)).clamp(0.0, 1.0)).collect(),
-    })
+    let made = if net.arch.task() == Task::Flow { loss::flowed_views } else { loss::regressed_views };
+    Ok(made(&batch.maps, &batch.photos(), &said))
 }
 
 #[cfg(test)]

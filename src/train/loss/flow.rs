@@ -50,20 +50,36 @@ pub fn flowed_views(maps: &Maps, photos: &[f32], flow: &[f32]) -> Vec<f32> {
     out
 }
 
-/// Mean |ŷ − L| of colours `y` in −1 … 1 against views in 0 … 1, both `[n, v, 3, h, w]`; told in 0 … 1.
-pub fn regressed(views: &[f32], y: &[f32], weight: f32, gradient: &mut [f32]) -> f32 {
-    let k = 0.5 * weight / y.len() as f32;
-    let each = (y.par_chunks(1 << 14), views.par_chunks(1 << 14), gradient.par_chunks_mut(1 << 14)).into_par_iter();
-    let sums: Vec<f64> = each
-        .map(|(y, views, gradient)| {
-            let mut sum = 0.0f64;
-            for ((y, view), g) in y.iter().zip(views).zip(gradient) {
-                let r = 0.5 * (y + 1.0) - view;
-                sum += f64::from(r.abs());
-                *g += k * sign(r);
-            }
-            sum
-        })
-        .collect();
+/// Mean |L(x, 0) + y(x, u) − L(x, u)| over views, colours and pixels: what is said is added to the photo.
+///
+/// # Shapes
+/// - `photos`: the reference views `[n, 3, h, w]`, in 0 … 1
+/// - `views`, `y`, `gradient`: `[n, v, 3, h, w]`
+pub fn regressed(maps: &Maps, photos: &[f32], views: &[f32], y: &[f32], weight: f32, gradient: &mut [f32]) -> f32 {
+    let (p, nv) = (maps.plane(), maps.views.len());
+    let k = weight / y.len() as f32;
+    let each = (y.par_chunks(3 * p), views.par_chunks(3 * p), gradient.par_chunks_mut(3 * p)).into_par_iter();
+    let of_views = each.enumerate().map(|(map, (y, view, gradient))| {
+        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let mut sum = 0.0f64;
+        for i in 0..3 * p {
+            let r = photo[i] + y[i] - view[i];
+            sum += f64::from(r.abs());
+            gradient[i] += k * sign(r);
+        }
+        sum
+    });
+    let sums: Vec<f64> = of_views.collect();
     (sums.iter().sum::<f64>() / y.len() as f64) as f32
+}
+
+/// The views in 0 … 1 that what is said makes of the photos: `[n, v, 3, h, w]`.
+pub fn regressed_views(maps: &Maps, photos: &[f32], said: &[f32]) -> Vec<f32> {
+    let (p, nv) = (maps.plane(), maps.views.len());
+    let mut out = said.to_vec();
+    out.par_chunks_mut(3 * p).enumerate().for_each(|(map, out)| {
+        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        out.iter_mut().zip(photo).for_each(|(out, photo)| *out = (*out + photo).clamp(0.0, 1.0));
+    });
+    out
 }

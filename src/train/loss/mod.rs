@@ -10,7 +10,7 @@ mod subject;
 mod supervised;
 mod thin;
 
-pub use flow::{flowed, flowed_views, regressed};
+pub use flow::{flowed, flowed_views, regressed, regressed_views};
 pub use photometric::{photometric, rendered_gradient, rendered_views};
 pub use smooth::{consistency, total_variation};
 pub use subject::subject_order;

@@ -63,8 +63,8 @@ fn photometric_and_smoothness_losses_have_their_derivatives() {
     check(&depth, |d, w, g| photometric(&maps, &photos, &views, d, w, g));
     let flow = random(2 * maps.len(), 6, -3.0, 3.0);
     check(&flow, |f, w, g| flowed(&maps, &photos, &views, f, w, g));
-    let colours = random(3 * maps.len(), 7, -0.9, 0.9);
-    check(&colours, |y, w, g| regressed(&views, y, w, g));
+    let added = random(3 * maps.len(), 7, -0.9, 0.9);
+    check(&added, |y, w, g| regressed(&maps, &photos, &views, y, w, g));
     check(&depth, |d, w, g| consistency(&maps, d, w, g));
     check(&depth, |d, w, g| total_variation(&maps, d, w, g));
 }

@@ -53,7 +53,8 @@ pub enum Arch {
     /// (Zhou et al. 2016, as the paper adapts it).
     #[value(skip)]
     AppearanceFlow,
-    /// The same layers with the colours of the 64 views as their result (the paper, §6).
+    /// The same layers with the colours of the 64 views as their result (the paper, §6), told as what is to be added to
+    /// those of the photo.
     #[value(skip)]
     DirectRegression,
     /// Ray depth of a view from how far the four corners agree about it (class of Kalantari et al. 2016).
@@ -73,7 +74,7 @@ pub enum Task {
     Occlusion,
     /// Where in the photo each ray's colour lies.
     Flow,
-    /// The views themselves.
+    /// What is to be added to the photo to become each view.
     Views,
     /// The ray depths of one view between corners.
     CornerDepth,
