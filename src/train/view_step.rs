@@ -50,15 +50,16 @@ mod tests {
     #[test]
     fn both_comparisons_learn_a_batch_by_heart() {
         let batch = toy(1, (16, 12))(0).unwrap();
-        for arch in [Arch::AppearanceFlow, Arch::DirectRegression] {
-            let config = Config { lr: 4e-3, warm_up: 1, lr_end: 1.0, clip: 0.0, ..Config::default() };
+        // What is added to the photo begins small, and large steps throw it far off.
+        for (arch, lr) in [(Arch::AppearanceFlow, 4e-3), (Arch::DirectRegression, 1e-3)] {
+            let config = Config { lr, warm_up: 1, lr_end: 1.0, clip: 0.0, ..Config::default() };
             let mut net = Checkpoint::new(arch, 1);
             let mut losses = Vec::new();
-            for _ in 0..30 {
+            for _ in 0..60 {
                 losses.push(step(&mut net, &batch, &config, 0.0).unwrap().parts["views"]);
                 net.progress.step += 1;
             }
-            assert!(losses[29] < 0.9 * losses[0], "{arch:?}: {losses:?}");
+            assert!(losses[59] < 0.9 * losses[0], "{arch:?}: {losses:?}");
             let made = infer(&net, &batch, &config).unwrap();
             assert_eq!(made.len(), batch.views.len());
             assert!(made.iter().all(|c| (0.0..=1.0).contains(c)));
