@@ -55,11 +55,11 @@ mod tests {
             let config = Config { lr, warm_up: 1, lr_end: 1.0, clip: 0.0, ..Config::default() };
             let mut net = Checkpoint::new(arch, 1);
             let mut losses = Vec::new();
-            for _ in 0..60 {
+            for _ in 0..30 {
                 losses.push(step(&mut net, &batch, &config, 0.0).unwrap().parts["views"]);
                 net.progress.step += 1;
             }
-            assert!(losses[59] < 0.9 * losses[0], "{arch:?}: {losses:?}");
+            assert!(losses[29] < 0.9 * losses[0], "{arch:?}: {losses:?}");
             let made = infer(&net, &batch, &config).unwrap();
             assert_eq!(made.len(), batch.views.len());
             assert!(made.iter().all(|c| (0.0..=1.0).contains(c)));
