@@ -13,11 +13,11 @@ use crate::warp::{sample, tap};
 /// - `views`: the true views `[n, v, 3, h, w]`
 /// - `flow`, `gradient`: `[n, v, 2, h, w]`, px to the right, then px down
 pub fn flowed(maps: &Maps, photos: &[f32], views: &[f32], flow: &[f32], weight: f32, gradient: &mut [f32]) -> f32 {
-    let (w, h, p, nv) = (maps.width, maps.height, maps.plane(), maps.views.len());
+    let (w, h, p) = (maps.width, maps.height, maps.plane());
     let k = weight / (3 * maps.len()) as f32;
     let each = (flow.par_chunks(2 * p), views.par_chunks(3 * p), gradient.par_chunks_mut(2 * p)).into_par_iter();
     let of_views = each.enumerate().map(|(map, (flow, view, gradient))| {
-        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let photo = maps.photo(photos, map);
         let (right, down) = gradient.split_at_mut(p);
         let mut sum = 0.0f64;
         for i in 0..p {
@@ -38,10 +38,10 @@ pub fn flowed(maps: &Maps, photos: &[f32], views: &[f32], flow: &[f32], weight: 
 
 /// The views that flow `[n, v, 2, h, w]` makes of the photos: `[n, v, 3, h, w]`.
 pub fn flowed_views(maps: &Maps, photos: &[f32], flow: &[f32]) -> Vec<f32> {
-    let (w, h, p, nv) = (maps.width, maps.height, maps.plane(), maps.views.len());
+    let (w, h, p) = (maps.width, maps.height, maps.plane());
     let mut out = zeros(3 * maps.len());
     (out.par_chunks_mut(3 * p), flow.par_chunks(2 * p)).into_par_iter().enumerate().for_each(|(map, (out, flow))| {
-        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let photo = maps.photo(photos, map);
         for i in 0..p {
             let (tx, ty) = (tap((i % w) as f32 + flow[i], w), tap((i / w) as f32 + flow[p + i], h));
             (0..3).for_each(|c| out[c * p + i] = sample(&photo[c * p..][..p], w, tx, ty).0);
@@ -56,11 +56,11 @@ pub fn flowed_views(maps: &Maps, photos: &[f32], flow: &[f32]) -> Vec<f32> {
 /// - `photos`: the reference views `[n, 3, h, w]`, in 0 … 1
 /// - `views`, `y`, `gradient`: `[n, v, 3, h, w]`
 pub fn regressed(maps: &Maps, photos: &[f32], views: &[f32], y: &[f32], weight: f32, gradient: &mut [f32]) -> f32 {
-    let (p, nv) = (maps.plane(), maps.views.len());
+    let p = maps.plane();
     let k = weight / y.len() as f32;
     let each = (y.par_chunks(3 * p), views.par_chunks(3 * p), gradient.par_chunks_mut(3 * p)).into_par_iter();
     let of_views = each.enumerate().map(|(map, (y, view, gradient))| {
-        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let photo = maps.photo(photos, map);
         let mut sum = 0.0f64;
         for i in 0..3 * p {
             let r = photo[i] + y[i] - view[i];
@@ -75,10 +75,10 @@ pub fn regressed(maps: &Maps, photos: &[f32], views: &[f32], y: &[f32], weight: 
 
 /// The views in 0 … 1 that what is said makes of the photos: `[n, v, 3, h, w]`.
 pub fn regressed_views(maps: &Maps, photos: &[f32], said: &[f32]) -> Vec<f32> {
-    let (p, nv) = (maps.plane(), maps.views.len());
+    let p = maps.plane();
     let mut out = said.to_vec();
     out.par_chunks_mut(3 * p).enumerate().for_each(|(map, out)| {
-        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let photo = maps.photo(photos, map);
         out.iter_mut().zip(photo).for_each(|(out, photo)| *out = (*out + photo).clamp(0.0, 1.0));
     });
     out

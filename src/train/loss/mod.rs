@@ -38,6 +38,12 @@ impl Maps {
         self.views.iter().position(|view| *view == REFERENCE).unwrap_or(0)
     }
 
+    /// The photo, of `[n, 3, h, w]`, of the sample that a map belongs to.
+    pub fn photo<'a>(&self, photos: &'a [f32], map: usize) -> &'a [f32] {
+        let colours = 3 * self.plane();
+        &photos[map / self.views.len() * colours..][..colours]
+    }
+
     /// Pixels of one map.
     pub fn plane(&self) -> usize {
         self.height * self.width

@@ -28,7 +28,7 @@ pub fn photometric(
         .into_par_iter()
         .enumerate()
         .map(|(map, (d, view, g))| {
-            let photo = &photos[map / nv * 3 * p..][..3 * p];
+            let photo = maps.photo(photos, map);
             let (du, dv) = steps(maps.views[map % nv]);
             let mut sum = 0.0f64;
             for y in 0..h {
@@ -54,7 +54,7 @@ pub fn rendered_views(maps: &Maps, photos: &[f32], depth: &[f32]) -> Vec<f32> {
     let (w, h, p, nv) = (maps.width, maps.height, maps.plane(), maps.views.len());
     let mut out = zeros(3 * maps.len());
     (out.par_chunks_mut(3 * p), depth.par_chunks(p)).into_par_iter().enumerate().for_each(|(map, (out, d))| {
-        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let photo = maps.photo(photos, map);
         let (du, dv) = steps(maps.views[map % nv]);
         for i in 0..p {
             let (tx, ty) = (tap((i % w) as f32 + du * d[i], w), tap((i / w) as f32 + dv * d[i], h));
@@ -72,7 +72,7 @@ pub fn rendered_gradient(maps: &Maps, photos: &[f32], depth: &[f32], to_views: &
     let (w, h, p, nv) = (maps.width, maps.height, maps.plane(), maps.views.len());
     let each = (depth.par_chunks(p), to_views.par_chunks(3 * p), gradient.par_chunks_mut(p));
     each.into_par_iter().enumerate().for_each(|(map, (d, to, g))| {
-        let photo = &photos[map / nv * 3 * p..][..3 * p];
+        let photo = maps.photo(photos, map);
         let (du, dv) = steps(maps.views[map % nv]);
         for i in 0..p {
             let (tx, ty) = (tap((i % w) as f32 + du * d[i], w), tap((i / w) as f32 + dv * d[i], h));
