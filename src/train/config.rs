@@ -10,6 +10,9 @@ use crate::device::Place;
 use crate::nets::Arch;
 use crate::scenes::{MEASURED, ROOMS};
 
+/// Last learning rate, relative to the first, unless another is asked for.
+pub const LR_END: f32 = 0.02;
+
 /// What is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -154,7 +157,7 @@ pub struct Config {
     #[arg(long, default_value_t = 2e-3)]
     pub lr: f32,
     /// Last learning rate, relative to --lr (1 = constant)
-    #[arg(long, default_value_t = 0.02)]
+    #[arg(long, default_value_t = LR_END, value_parser = parse_part)]
     pub lr_end: f32,
     /// Steps over which the learning rate rises
     #[arg(long, default_value_t = 100)]
@@ -255,6 +258,15 @@ pub struct Config {
 fn parse_size(text: &str) -> Result<(usize, usize), String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
     parsed.ok_or_else(|| format!("{text:?} is no size: write WIDTHxHEIGHT, e.g. 128x96"))
+}
+
+/// A part of a whole.
+///
+/// # Errors
+/// What is no number of 0 … 1.
+pub fn parse_part(text: &str) -> Result<f32, String> {
+    let parsed = text.trim().parse().ok().filter(|part| (0.0..=1.0).contains(part));
+    parsed.ok_or_else(|| format!("{text:?} is no part: write a number from 0 to 1, e.g. 0.02"))
 }
 
 /// The struct alone as a command, to parse its defaults from nothing.
@@ -398,5 +410,13 @@ mod tests {
         assert!((config.learning_rate(0, 0.0) - 0.1).abs() < 1e-6);
         assert!((config.learning_rate(20, 0.0) - 1.0).abs() < 1e-6);
         assert!((config.learning_rate(20, 1.0) - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_part_is_of_nothing_to_all() {
+        assert_eq!([parse_part("0"), parse_part(" 0.02 "), parse_part("1")], [Ok(0.0), Ok(0.02), Ok(1.0)]);
+        for wrong in ["-0.1", "1.5", "NaN", "half"] {
+            assert!(parse_part(wrong).unwrap_err().contains(wrong), "{wrong}");
+        }
     }
 }

@@ -11,12 +11,14 @@ use std::collections::{BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use plenoscope::io::formats::eslf;
+
 use crate::TrainError;
 use crate::batch::{Batch, Draw};
 use crate::config::Config;
 use crate::field::TrueField;
 use crate::loss::Maps;
-use crate::nets::{SIDE, VIEWS};
+use crate::nets::{REFERENCE, SIDE, VIEWS};
 use crate::rng::Rng;
 
 /// Views of a file along one axis, and the first that is used.
@@ -219,7 +221,14 @@ impl Field {
                 (0..width).for_each(|x| rgb.extend(&row[(x * FILE_SIDE + u) * 3..][..3]));
             }
         }
-        Ok(Self { width, height, rgb, raw: true })
+        Ok(Self::of_lenslets(width, height, rgb))
+    }
+
+    /// Views of a lenslet picture. It has the sensor's colours, or those of a display: the library's rule says which.
+    fn of_lenslets(width: usize, height: usize, rgb: Vec<u8>) -> Self {
+        let reference = &rgb[REFERENCE * width * height * 3..][..width * height * 3];
+        let raw = eslf::is_raw(reference.chunks_exact(3).map(|px| px[1]));
+        Self { width, height, rgb, raw }
     }
 
     /// Appends a random crop of all views `[v, 3, y, x]`, halved where the views are large enough, raw ones raised to a
@@ -279,10 +288,15 @@ pub(crate) mod tests {
             .unwrap();
     }
 
-    /// A file whose red says v, green says u, blue says x.
+    /// A file as dark as a sensor's, whose red says v, green says u, blue says x.
     pub(crate) fn write_eslf(folder: &Path) {
+        write_eslf_of(folder, 8);
+    }
+
+    /// The same, each view so much brighter than the one before.
+    fn write_eslf_of(folder: &Path, step: u32) {
         let picture = image::RgbImage::from_fn(14 * 40, 14 * 36, |x, y| {
-            image::Rgb([(y % 14 * 10) as u8, (x % 14 * 10) as u8, (x / 14) as u8])
+            image::Rgb([(y % 14 * step) as u8, (x % 14 * step) as u8, (x / 14) as u8])
         });
         picture.save(folder.join("IMG_1_eslf.png")).unwrap();
     }
@@ -302,6 +316,18 @@ pub(crate) mod tests {
         let again = draw(3).unwrap();
         assert_eq!((again.views, again.yx), (batch.views, batch.yx));
         assert!(again.truth.iter().all(|truth| truth.is_nan()), "no truth is known of a photographed light field");
+    }
+
+    #[test]
+    fn only_colours_of_a_sensor_are_raised() {
+        for (step, raised) in [(8, true), (18, false)] {
+            let folder = tempfile::tempdir().unwrap();
+            write_eslf_of(folder.path(), step);
+            let config = Config { data: folder.path().to_owned(), batch: 1, crop: vec![(16, 16)], ..Config::default() };
+            let batch = draw(&config, Arc::new(|_| ())).unwrap()(0).unwrap();
+            let red = (FIRST as u32 * step) as f32 / 255.0;
+            assert_eq!((batch.views[0] - red).abs() > 1e-6, raised, "{} for {red}", batch.views[0]);
+        }
     }
 
     #[test]

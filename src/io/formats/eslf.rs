@@ -52,8 +52,16 @@ pub(super) fn read(bytes: &[u8], name: Option<&Path>, job: &Job) -> Result<Optio
 }
 
 /// The power that colours as the sensor saw them are raised to when they are shown; none where they are bright enough.
-pub fn shown_power(field: &LightField) -> Option<f32> {
-    (mean(field) < DARK).then_some(DARK_GAMMA)
+fn shown_power(field: &LightField) -> Option<f32> {
+    let green = field.reference().rgba().chunks_exact(4).map(|px| px[1]);
+    is_raw(green).then_some(DARK_GAMMA)
+}
+
+/// Whether colours are as the sensor saw them, without a display's curve: by the reference view's `green`.
+pub fn is_raw(green: impl ExactSizeIterator<Item = u8>) -> bool {
+    let count = green.len();
+    let sum: u64 = green.map(u64::from).sum();
+    (sum as f32 / count as f32 / 255.0) < DARK
 }
 
 /// The block size that our own writer notes.
@@ -120,12 +128,6 @@ fn views(pixels: &[[u8; 4]], [width, height]: [u32; 2], block: usize, job: &Job)
     };
     let views = grid.views().map(take).collect::<Result<Vec<_>, Problem>>()?;
     Ok(LightField::new(grid, views)?)
-}
-
-fn mean(field: &LightField) -> f32 {
-    let rgba = field.reference().rgba();
-    let sum: u64 = rgba.chunks_exact(4).map(|px| u64::from(px[1])).sum();
-    sum as f32 / (rgba.len() / 4) as f32 / 255.0
 }
 
 /// Writes a lenslet picture: blocks of 14×14, the views in the middle, alpha 0 around them, as the LF Toolbox reads

@@ -74,17 +74,16 @@ pub fn bars(axes: &Axes<'_>, series: &[Series<'_>]) -> String {
 struct Frame {
     width: f64,
     height: f64,
+    /// From one line across to the next.
+    step: f64,
     most: f64,
 }
 
 impl Frame {
     fn new(series: &[Series<'_>]) -> Self {
         let most = series.iter().flat_map(|one| &one.values).copied().fold(0.0, f64::max);
-        Self {
-            width: SIZE[0] - LEFT - RIGHT,
-            height: SIZE[1] - ABOVE - BELOW,
-            most: if most > 0.0 { most } else { 1.0 },
-        }
+        let step = round_step(most / GRID as f64);
+        Self { width: SIZE[0] - LEFT - RIGHT, height: SIZE[1] - ABOVE - BELOW, step, most: step * GRID as f64 }
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -98,13 +97,18 @@ impl Frame {
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" font-family=\"sans-serif\" font-size=\"12\">\n"
         );
         put(&mut svg, &format!("<rect width=\"{w}\" height=\"{h}\" fill=\"white\"/>"));
+        let decimals = (-self.step.log10().floor()).max(0.0) as usize;
         for line in 0..=GRID {
-            let value = self.most * line as f64 / GRID as f64;
+            let value = self.step * line as f64;
             let y = self.y(value);
             put(&mut svg, &format!("<path d=\"M{LEFT} {y:.1}h{:.1}\" stroke=\"#ddd\"/>", self.width));
             put(
                 &mut svg,
-                &format!("<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{value:.3}</text>", LEFT - 6.0, y + 4.0),
+                &format!(
+                    "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{value:.decimals$}</text>",
+                    LEFT - 6.0,
+                    y + 4.0
+                ),
             );
         }
         for (i, name) in axes.places.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
@@ -122,9 +126,21 @@ impl Frame {
     }
 }
 
-/// The names beside the figure, and its end.
+/// The least of 1, 2, 3, 4, 5, 6 and 8 times a power of ten that is not below `least`; 1 where that is 0.
+fn round_step(least: f64) -> f64 {
+    if least <= 0.0 {
+        return 1.0;
+    }
+    let power = 10f64.powi(least.log10().floor() as i32);
+    // What misses a round number by rounding alone is that number.
+    let reaches = |times: &f64| times * power >= least * (1.0 - 1e-9);
+    [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0].into_iter().find(reaches).unwrap_or(10.0) * power
+}
+
+/// The names beside the figure where there are several, and its end.
 fn close(mut svg: String, series: &[Series<'_>]) -> String {
     let x = SIZE[0] - RIGHT + 14.0;
+    let series = if series.len() > 1 { series } else { &[] };
     for (i, (one, colour)) in series.iter().zip(COLOURS.iter().cycle()).enumerate() {
         let y = ABOVE + 18.0 * (i as f64 + 1.0);
         put(&mut svg, &format!("<rect x=\"{x}\" y=\"{}\" width=\"12\" height=\"12\" fill=\"{colour}\"/>", y - 10.0));
@@ -152,6 +168,22 @@ mod tests {
         assert!(drawn.matches("<polyline").count() == 2 && drawn.contains(">b</text>") && drawn.contains(">-1</text>"));
         // Background, two names, and a bar for each value above 0.
         assert_eq!(bars(&axes, &series()).matches("<rect").count(), 1 + 2 + 4);
-        assert!(!lines(&axes, &[Series { name: "none", values: vec![0.0] }]).contains("NaN"));
+        let alone = lines(&axes, &[Series { name: "alone", values: vec![0.0] }]);
+        assert!(
+            !alone.contains("NaN") && !alone.contains(">alone<"),
+            "one series needs no name: the axes say what it is"
+        );
+    }
+
+    #[test]
+    fn lines_across_stand_at_round_values() {
+        for (least, step) in [(0.0, 1.0), (4.0, 4.0), (0.00975, 0.01), (0.3, 0.3), (0.74, 0.8), (9.0, 10.0)] {
+            assert!((round_step(least) / step - 1.0).abs() < 1e-9, "{least}: {}", round_step(least));
+        }
+        let drawn = bars(
+            &Axes { across: "L1", up: "light fields", places: vec![String::new()] },
+            &[Series { name: "", values: vec![16.0] }],
+        );
+        assert!(drawn.contains(">16<") && drawn.contains(">4<"), "whole numbers without decimals: {drawn}");
     }
 }

@@ -86,6 +86,7 @@ impl Method {
             seed: asked.seed,
             batch: asked.batch,
             crop: vec![(asked.crop, asked.crop)],
+            lr_end: asked.lr_end,
             threads: asked.threads,
             device: asked.device,
             log_steps: 10,
@@ -135,7 +136,7 @@ impl Method {
         };
         ensure!(
             alike == *config,
-            "{} was trained with other options: give the same --seed, --batch and --crop, or another --out: {}",
+            "{} was trained with other options: give the same --seed, --batch, --crop and --lr-end, or another --out: {}",
             self.title(),
             config.out.display()
         );

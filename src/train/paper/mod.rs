@@ -19,7 +19,7 @@ use std::time::Instant;
 use anyhow::{Result, bail, ensure};
 use clap::{ArgMatches, Args, Command, FromArgMatches as _};
 
-use crate::config::Config;
+use crate::config::{Config, LR_END, parse_part};
 use crate::device::Place;
 use crate::field::TrueField;
 use crate::recorded;
@@ -57,6 +57,9 @@ pub struct Asked {
     /// Side of a crop in px, after it was halved
     #[arg(long, value_name = "PX", default_value_t = 96, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(8..=512))]
     pub crop: usize,
+    /// Last learning rate, relative to the first (the paper: 1, constant, which few steps do not bear)
+    #[arg(long, value_name = "PART", default_value_t = LR_END, value_parser = parse_part)]
+    pub lr_end: f32,
     /// Long side of the views that methods are judged by
     #[arg(long, value_name = "PX", default_value_t = 270, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(16..=4096))]
     pub long_side: usize,
@@ -170,6 +173,7 @@ fn written(
         steps: nets.iter().map(steps).collect(),
         batch: asked.batch,
         crop: asked.crop,
+        lr_end: asked.lr_end,
         long_side: asked.long_side,
         found: &found,
         each: judged.iter().map(|one| &one.figures).collect(),

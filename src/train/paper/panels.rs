@@ -5,6 +5,7 @@ use plenoscope::render::cpu;
 
 use super::judge::{LAMBERTIAN, Made, Shown};
 use super::method::Method;
+use super::report::title;
 use crate::eval::Rgb;
 use crate::eval::metrics::median;
 use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range};
@@ -60,12 +61,12 @@ fn reference_depth<'a>(made: &'a Made, shown: &Shown) -> Option<&'a [f32]> {
 fn epipolar(shown: &Shown) -> Option<Panel> {
     let (left, y) = strongest_edge(&shown.measured, shown.field.size);
     let mut rows = vec![vec![stretch(&epi_tile(|layer| &shown.field.views[layer], y, LINE_PX), left)]];
-    let mut names = vec!["recorded".to_owned()];
+    let mut names = vec!["recorded"];
     let methods = [Method::Ours, Method::Flow, Method::Regression, Method::Corners].map(Method::name);
     for name in [&methods[..1], &[LAMBERTIAN], &methods[1..]].concat() {
         if let Some(made) = shown.made.get(name) {
             rows.push(vec![stretch(&epi_tile(|layer| &made.views[layer], y, LINE_PX), left)]);
-            names.push(name.to_owned());
+            names.push(title(name));
         }
     }
     Some(Panel {
@@ -102,11 +103,11 @@ fn ablation(shown: &Shown) -> Option<Panel> {
 /// A corner view, true and made.
 fn corner(shown: &Shown) -> Option<Panel> {
     let mut row = vec![shown.field.views[0].clone()];
-    let mut names = vec!["recorded".to_owned()];
+    let mut names = vec!["recorded"];
     for name in [Method::Ours.name(), LAMBERTIAN, Method::Flow.name(), Method::Regression.name()] {
         if let Some(made) = shown.made.get(name) {
             row.push(made.views[0].clone());
-            names.push(name.to_owned());
+            names.push(title(name));
         }
     }
     (row.len() > 1).then(|| Panel {

@@ -34,6 +34,8 @@ pub struct Summary<'a> {
     pub batch: usize,
     /// See `batch`.
     pub crop: usize,
+    /// Last learning rate, relative to the first.
+    pub lr_end: f32,
     /// Long side of the views that are judged.
     pub long_side: usize,
     /// The figures.
@@ -83,7 +85,7 @@ pub fn write(out: &Path, summary: &Summary<'_>, panels: &[Panel], times: &Times)
 }
 
 /// The names that people read.
-fn title(name: &str) -> &str {
+pub fn title(name: &str) -> &str {
     let of = |method: &Method| method.name() == name;
     match Method::ALL.iter().find(|method| of(method)) {
         Some(method) => method.title(),
@@ -137,18 +139,15 @@ fn html(summary: &Summary<'_>, charts: &[(&str, String)], pictures: &[(&Panel, V
          <style>{STYLE}</style></head><body>\n<h1>Learning to synthesize a 4D RGBD light field from a single image, run again</h1>\n"
     );
     let mut put = |text: String| writeln!(page, "{text}").unwrap_or_default();
-    put(format!(
-        "<p>Light fields parted {}. Judged by {}.</p>",
-        summary.split,
-        escaped(&summary.light_fields.join(", "))
-    ));
+    put(format!("<p>Light fields parted {}. Judged by {}.</p>", summary.split, judges(&summary.light_fields)));
     let steps: Vec<String> = summary.steps.iter().map(|(name, steps)| format!("{} {steps}", title(name))).collect();
     put(format!(
-        "<p>Steps trained: {}; {} crops of {}² a step (the paper: 4 of 96², 120,000 steps), seed {}. L1 is of values in 0 … 1, \
-         views {} px on their long side.</p>",
+        "<p>Steps trained: {}; {} crops of {}² a step (the paper: 4 of 96², 120,000 steps), the rate falls to {} of its \
+         first (the paper: 1), seed {}. L1 is of values in 0 … 1, views {} px on their long side.</p>",
         steps.join(", "),
         summary.batch,
         summary.crop,
+        summary.lr_end,
         summary.seed,
         summary.long_side
     ));
@@ -182,23 +181,33 @@ fn html(summary: &Summary<'_>, charts: &[(&str, String)], pictures: &[(&Panel, V
     page
 }
 
+/// What was judged by: a few by name, many by number, as the table of each names them.
+fn judges(names: &[&str]) -> String {
+    if names.len() > OPEN { format!("{} light fields", names.len()) } else { escaped(&names.join(", ")) }
+}
+
 fn table(found: &Found) -> String {
     let mut rows: Vec<_> = found.mean.iter().collect();
     rows.sort_by(|a, b| a.1.l1.total_cmp(&b.1.l1));
-    let optional = |value: Option<f32>| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.3}"));
+    let optional =
+        |value: Option<f32>, digits: usize| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"));
     let row = |(name, f): &(&&str, &Figures)| {
         format!(
-            "<tr><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td></tr>",
+            "<tr><td>{}</td><td>{:.4}</td><td>{:.4}</td><td>{:.4}</td><td>{}</td><td>{}</td></tr>",
             title(name),
             f.l1,
             f.outermost_l1,
             f.unseen_l1,
-            optional(f.inconsistency_px)
+            optional(f.inconsistency_px, 3),
+            optional(f.depth_correlation, 2)
         )
     };
     let rows: String = rows.iter().map(row).collect();
     format!(
-        "<table><tr><th>method</th><th>all views</th><th>outermost</th><th>without corners</th><th>ψ_c, px</th></tr>{rows}</table>"
+        "<table><tr><th>method</th><th>all views</th><th>outermost</th><th>without corners</th><th>ψ_c, px</th>\
+         <th>depth as measured</th></tr>{rows}</table>\
+         <p>ψ_c, px: how far ray depths part along epipolar lines. Depth as measured: correlation of the reference view's \
+         ray depths with those of the whole light field, or the file's own.</p>"
     )
 }
 

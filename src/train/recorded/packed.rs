@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::{Field, found};
 use crate::TrainError;
-use crate::field::{TrueField, light_field};
+use crate::field::TrueField;
 use crate::files;
 use crate::nets::{SIDE, VIEWS};
 use crate::scenes::raster::{Raster, Rgb};
@@ -102,13 +102,8 @@ pub fn true_field(path: &Path) -> Result<TrueField, TrainError> {
     let texel = |p: &[u8]| [0, 1, 2].map(|c| f32::from(p[c]) / 255.0);
     let view = |rgb: &[u8]| Raster { size, px: rgb.chunks_exact(3).map(texel).collect() };
     let mut views: Vec<Rgb> = field.rgb.chunks_exact(3 * size[0] * size[1]).map(view).collect();
-    let shown = if field.raw {
-        eslf::shown_power(&light_field(&views).map_err(|e| unlike(&e.to_string(), path))?)
-    } else {
-        None
-    };
-    if let Some(power) = shown {
-        views.iter_mut().flat_map(|view| view.px.as_flattened_mut()).for_each(|c| *c = c.powf(power));
+    if field.raw {
+        views.iter_mut().flat_map(|view| view.px.as_flattened_mut()).for_each(|c| *c = c.powf(eslf::DARK_GAMMA));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     Ok(TrueField { name, size, views, depths: Vec::new() })
@@ -137,7 +132,12 @@ fn of_bytes(bytes: &[u8]) -> Option<Field> {
         let from = ((view / SIDE * height + y) * wide + view % SIDE * width) * 3;
         views.extend_from_slice(&rgb[from..][..width * 3]);
     }
-    Some(Field { width, height, rgb: views, raw: raw == 1 })
+    // A mark that another rule made is not believed.
+    Some(if raw == 1 {
+        Field::of_lenslets(width, height, views)
+    } else {
+        Field { width, height, rgb: views, raw: false }
+    })
 }
 
 #[cfg(test)]
