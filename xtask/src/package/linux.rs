@@ -126,7 +126,8 @@ fn app_image(package: &Package, stage: &Stage) -> Result<PathBuf> {
     }
     set_modes(&tree)?;
     let image = package.out.join("AppDir.squashfs");
-    let options = ["-root-owned", "-noappend", "-comp", "zstd", "-quiet", "-no-progress"];
+    // What every runtime reads; those before 2022 know no zstd.
+    let options = ["-root-owned", "-noappend", "-comp", "gzip", "-quiet", "-no-progress"];
     run(Command::new("mksquashfs").arg(&tree).arg(&image).args(options)).context("install squashfs-tools")?;
     let mut bytes = runtime;
     bytes.extend(fs::read(&image)?);
