@@ -87,6 +87,22 @@ pub const SWEPT: &str = "corners-swept";
 /// Key of the photo copied to all views.
 pub const COPY: &str = "copy";
 
+/// The names that people read.
+pub fn title(name: &str) -> &str {
+    let of = |method: &Method| method.name() == name;
+    match Method::ALL.iter().find(|method| of(method)) {
+        Some(method) => method.title(),
+        None => match name {
+            LAMBERTIAN => "ours, Lambertian",
+            MEASURED => "the photo warped by the depth of all views",
+            COPY => "the photo copied",
+            BLEND => "the four corners blended",
+            SWEPT => "the four corners warped by their swept depth",
+            _ => name,
+        },
+    }
+}
+
 /// The light field with views of at most `long_side`.
 pub fn shrunk(field: TrueField, long_side: usize) -> TrueField {
     let [w, h] = field.size;

@@ -3,9 +3,8 @@
 use plenoscope::field::{FNumber, FocalPlane, Lens, LensShape, ViewPoint};
 use plenoscope::render::cpu;
 
-use super::judge::{LAMBERTIAN, Made, Shown};
+use super::judge::{LAMBERTIAN, Made, Shown, title};
 use super::method::Method;
-use super::report::title;
 use crate::eval::Rgb;
 use crate::eval::metrics::median;
 use crate::eval::sheet::{depth_tile, epi_tile, join, usual_range};

@@ -10,8 +10,7 @@ use serde::Serialize;
 
 use super::charts::{Axes, Series, bars, lines};
 use super::findings::{Finding, Found, L1_BAR, L1_BARS, disparity_places};
-use super::judge::{BLEND, COPY, Figures, LAMBERTIAN, MEASURED, SWEPT};
-use super::method::Method;
+use super::judge::{Figures, LAMBERTIAN, title};
 use super::panels::Panel;
 use crate::eval::sheet::write_png;
 use crate::files;
@@ -82,22 +81,6 @@ pub fn write(out: &Path, summary: &Summary<'_>, panels: &[Panel], times: &Times)
     let path = out.join("report.html");
     files::write(&path, html(summary, &charts, &pictures, times).as_bytes(), "write the report")?;
     Ok(path)
-}
-
-/// The names that people read.
-pub fn title(name: &str) -> &str {
-    let of = |method: &Method| method.name() == name;
-    match Method::ALL.iter().find(|method| of(method)) {
-        Some(method) => method.title(),
-        None => match name {
-            LAMBERTIAN => "ours, Lambertian",
-            MEASURED => "the photo warped by the depth of all views",
-            COPY => "the photo copied",
-            BLEND => "the four corners blended",
-            SWEPT => "the four corners warped by their swept depth",
-            _ => name,
-        },
-    }
 }
 
 fn charts(found: &Found) -> Vec<(&'static str, String)> {
