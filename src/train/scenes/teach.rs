@@ -19,6 +19,7 @@ use super::library::{byte_from_nearness, read_gray, read_rgb};
 use super::manifest::{self, Entry};
 use super::raster::{Raster, Rgb};
 use super::{SceneError, Split};
+use crate::config::parse_part;
 use crate::eval::metrics::spearman;
 use crate::eval::sheet::usual_range;
 use crate::files;
@@ -53,14 +54,9 @@ pub fn command() -> Command {
         .arg(
             arg!(--share <PART> "How much of a map is theirs; the rest is that of the teacher, where there is one")
                 .default_value("1")
-                .value_parser(share),
+                .value_parser(parse_part),
         )
         .arg(arg!(--threads <N> "Threads; 0 means all").default_value("0").value_parser(value_parser!(usize)))
-}
-
-fn share(text: &str) -> Result<f32, String> {
-    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
-    share.ok_or_else(|| "a share from 0 to 1".to_owned())
 }
 
 /// Writes the maps; gives what is to be printed.
