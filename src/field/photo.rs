@@ -91,6 +91,7 @@ pub struct Photo {
     srgb8: Srgb8,
     metadata: Metadata,
     source: Option<PathBuf>,
+    whole: Option<Size>,
 }
 
 /// Rows that one thread makes of the sRGB copy before it looks for more.
@@ -117,7 +118,7 @@ impl Photo {
 
     fn of(size: Size, pixels: PhotoPixels, srgb8: Srgb8, metadata: Metadata) -> Result<Self, FieldError> {
         check_len("the photo", super::pixels(size) * 4, pixels.len())?;
-        Ok(Self { size, pixels, srgb8, metadata, source: None })
+        Ok(Self { size, pixels, srgb8, metadata, source: None, whole: None })
     }
 
     /// The same photo, remembering the file that it came from.
@@ -125,6 +126,18 @@ impl Photo {
     pub fn with_source(mut self, path: &Path) -> Self {
         self.source = Some(path.to_owned());
         self
+    }
+
+    /// The same photo, remembering that its file has so many upright pixels.
+    #[must_use]
+    pub fn reduced_from(mut self, whole: Size) -> Self {
+        self.whole = Some(whole).filter(|whole| *whole != self.size);
+        self
+    }
+
+    /// Width and height in its file: more than [`Photo::size`] where it was too large to be kept whole.
+    pub fn whole_size(&self) -> Size {
+        self.whole.unwrap_or(self.size)
     }
 
     /// Width and height of the upright photo, in pixels.

@@ -145,6 +145,9 @@ pub enum Problem {
     /// A folder without anything to open.
     #[error("could not open the folder — it holds no picture and no light field — choose another one")]
     EmptyFolder,
+    /// Opened again, it is another picture.
+    #[error("the photo has changed since it was opened — its file has another size now — open it again")]
+    Changed,
     /// The problem is in another file than the one that was opened.
     #[error("{problem}: {}", name.display())]
     In {

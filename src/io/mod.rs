@@ -34,4 +34,4 @@ mod xmp;
 pub use crate::field::DisparityMap;
 pub use error::{OpenError, Problem};
 pub use info::{DepthInfo, DepthKind, EmbeddedDepth, FileInfo, FileKind, LightFieldFile, Opened, PhotoFile};
-pub use open::{MAX_FILE_BYTES, open, open_bytes};
+pub use open::{MAX_FILE_BYTES, open, open_bytes, open_whole};

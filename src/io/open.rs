@@ -11,7 +11,7 @@ use super::raster::{self, Raster};
 use super::xmp::Xmp;
 use super::{DepthInfo, EmbeddedDepth, FileInfo, FileKind, OpenError, Opened, PhotoFile, Problem, exif, folder};
 use crate::aside::parent;
-use crate::field::Photo;
+use crate::field::{Photo, Size, pixels};
 use crate::job::{Cancel, Job, Stage};
 use crate::within;
 
@@ -96,15 +96,47 @@ pub(super) fn open_content(bytes: &[u8], name: Option<&Path>, job: &Job) -> Resu
     }
 }
 
+fn reduced([width, height]: Size, whole: Size) -> String {
+    let megapixels = pixels(whole) / 1_000_000;
+    format!(
+        "the photo has {megapixels} megapixels — it is shown with {width}×{height}, and a picture is exported as large as its file"
+    )
+}
+
+/// The photo as large as in its file, where it was opened reduced.
+///
+/// # Errors
+/// [`OpenError`]: the file has gone, or is another one by now.
+pub fn open_whole(photo: &Photo, job: &Job) -> Result<Arc<Photo>, OpenError> {
+    let path = photo.source().unwrap_or(Path::new("")).to_owned();
+    let size = photo.whole_size();
+    let own = path.clone();
+    let read = move |job: &Job| -> Result<Photo, Problem> {
+        let bytes = read_file(&own)?;
+        job.check()?;
+        Ok(raster::decode(&bytes)?.into_photo()?.0)
+    };
+    let whole = job.alone(read)?.map_err(OpenError::at(Some(&path)))?;
+    if whole.size() != size {
+        return Err(OpenError::at(Some(&path))(Problem::Changed));
+    }
+    Ok(Arc::new(whole.with_source(&path)))
+}
+
 impl PhotoFile {
-    /// A photo without depth.
+    /// A photo without depth. One that is too large to be kept is reduced, and knows how large it was.
     pub(crate) fn from_raster(raster: Raster, format: &'static str) -> Result<Self, Problem> {
-        let (photo, warnings) = raster.into_photo()?;
+        let whole = raster.upright_size();
+        let (photo, mut warnings) = raster.reduced().into_photo()?;
+        let photo = photo.reduced_from(whole);
+        if photo.size() != whole {
+            warnings.push(reduced(photo.size(), whole));
+        }
         let metadata = photo.metadata();
         let info = FileInfo {
             kind: FileKind::Photo,
             format,
-            size: photo.size(),
+            size: whole,
             views: None,
             orientation: metadata.orientation,
             profile: metadata.icc.as_deref().and_then(raster::profile_name),

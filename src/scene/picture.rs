@@ -10,6 +10,7 @@ use crate::field::{
     DisparityMap, FNumber, Lens, LightField, Photo, Picture, Pixels, Provenance, RayDepths, Strength, ViewPoint,
     fit_long_side,
 };
+use crate::io;
 use crate::io::save::Origin;
 use crate::job::Job;
 use crate::render::cpu;
@@ -337,8 +338,13 @@ impl Scene {
         }
     }
 
-    /// The picture as it stands in a file, of 8 or 16 bits a channel. A photo keeps its own colours.
+    /// The picture as it stands in a file, of 8 or 16 bits a channel. A photo keeps its own colours. One that was opened reduced
+    /// is read again, where the picture is larger.
     pub fn picture(&self, edit: &Edit, size: OutputSize, bits: u8, job: &Job) -> Result<Pixels, SceneError> {
+        if let Some(photo) = self.kept_too_small(size) {
+            let subject = Subject::clone(&self.subject).with_photo(io::open_whole(photo, job)?);
+            return Self { subject: Arc::new(subject), ..self.clone() }.picture(edit, size, bits, job);
+        }
         if self.sums_views(edit, size) {
             let sum = self.sum_of_views(edit)?;
             return Ok(Pixels::from_linear(sum.size, &sum.rgb_linear, bits, &self.origin(size).transfer));
@@ -349,6 +355,12 @@ impl Scene {
         let space = if size == OutputSize::LightField { Space::Srgb } else { Space::Own };
         let (rgbd, size) = self.seen(edit, size, space, job)?;
         Ok(lens::render_pixels(&rgbd, &self.lens(edit), size, bits, job)?)
+    }
+
+    /// The photo, where less of it was kept than a picture needs.
+    fn kept_too_small(&self, size: OutputSize) -> Option<&Photo> {
+        let photo = self.subject.photo()?;
+        (size != OutputSize::LightField && size.of(photo.whole_size())[0] > photo.size()[0]).then_some(photo)
     }
 
     /// The picture in linear sRGB light, for screens and the clipboard.
@@ -394,5 +406,31 @@ mod tests {
             "a pixel's rounding is no other shape"
         );
         assert_eq!(OutputSize::Within([9000, 9000]).of([4000, 3000]), [4000, 3000]);
+    }
+
+    #[test]
+    fn a_photo_that_was_opened_reduced_is_exported_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("large.png");
+        image::RgbImage::from_fn(64, 48, |x, y| image::Rgb([(4 * x) as u8, (5 * y) as u8, 90])).save(&path).unwrap();
+        let map = Arc::new(DisparityMap::new([16, 12], (0..16 * 12).map(|i| (i % 16) as f32 / 8.0).collect()).unwrap());
+        let scene_of = |photo: Photo| {
+            let subject = Arc::new(Subject::from_photo(Arc::new(photo.with_source(&path)), "large.png"));
+            Scene::of_map(&subject, Arc::clone(&map), MadeBy::default()).unwrap()
+        };
+        let small = || Photo::from_srgb8([32, 24], vec![128; 32 * 24 * 4]).unwrap().reduced_from([64, 48]);
+        let job = Job { cancel: &crate::job::Cancel::default(), sink: &() };
+        let whole = Photo::from_srgb8([64, 48], image::open(&path).unwrap().into_rgba8().into_raw()).unwrap();
+        let picture = |photo, size| scene_of(photo).picture(&Edit::default(), size, 8, &job);
+        assert_eq!(picture(small(), OutputSize::Photo).unwrap(), picture(whole.clone(), OutputSize::Photo).unwrap());
+        let forty = picture(small(), OutputSize::LongSide(40)).unwrap();
+        assert_eq!(forty, picture(whole, OutputSize::LongSide(40)).unwrap());
+        // What was kept is enough, and no file is asked for.
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(picture(small(), OutputSize::LongSide(32)).unwrap().size, [32, 24]);
+        assert!(matches!(picture(small(), OutputSize::Photo), Err(SceneError::Open(_))));
+        image::RgbImage::new(60, 48).save(&path).unwrap();
+        let changed = picture(small(), OutputSize::Photo).unwrap_err().to_string();
+        assert!(changed.contains("has changed since it was opened"), "{changed}");
     }
 }

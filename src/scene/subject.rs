@@ -183,6 +183,15 @@ impl Subject {
         }
     }
 
+    /// The same of another copy of its photo; a recorded light field stays as it is.
+    #[must_use]
+    pub(super) fn with_photo(mut self, photo: Arc<Photo>) -> Self {
+        if let Content::Photo(one) = &mut self.content {
+            one.photo = photo;
+        }
+        self
+    }
+
     /// The views; none for a photo, whose views are made.
     pub fn recorded(&self) -> Option<&Recorded> {
         match &self.content {
@@ -225,6 +234,12 @@ impl Subject {
             Content::Photo(one) => one.photo.size(),
             Content::Views(recorded) => recorded.shown.size(),
         }
+    }
+
+    /// Width and height of the largest picture that is made of it: more than [`Subject::size`] where the photo was too large to
+    /// be kept whole.
+    pub fn whole_size(&self) -> [u32; 2] {
+        self.photo().map_or_else(|| self.size(), |photo| photo.whole_size())
     }
 
     /// The same with its views, where it has some, in one block of memory.

@@ -330,6 +330,68 @@ fn names_that_are_too_long_and_folders_that_are_gone_are_one_sentence() {
     }
 }
 
+/// A run of the program under `strace`, which injects what it is told; none where that cannot be.
+fn injected(dir: &Scratch, faults: &[&str], args: &[&str]) -> Option<Command> {
+    let mut command = Command::new("strace");
+    let is_there =
+        Command::new("strace").args(["-o", "/dev/null", "true"]).output().is_ok_and(|tried| tried.status.success());
+    if !is_there {
+        eprintln!("SKIPPED: strace is not installed, or may not look at programs here");
+        return None;
+    }
+    command.args(["-f", "-q", "-o", "/dev/null", "-e", "trace=write,fsync,fdatasync"]);
+    faults.iter().for_each(|fault| drop(command.args(["-e", &format!("inject={fault}")])));
+    command.arg(assert_cmd::cargo::cargo_bin!("plenoscope")).args(args);
+    environment(&mut command, dir);
+    Some(command)
+}
+
+/// What a folder on a network does: it takes long, and in the end it may not have kept what it took.
+#[test]
+fn slow_writes_show_the_old_or_the_new_and_failed_ones_leave_the_old() {
+    let dir = Scratch::new();
+    let photo = dir.photo("photo.png", 48, 32);
+    let small = ["--no-cache", "--long-side", "48", "--force"];
+    for (args, target) in [(vec!["refocus"], "a.png"), (vec!["export", "--as", "animation", "--frames", "5"], "a.gif")]
+    {
+        let [quick, slow] = ["quick", "slow"].map(|folder| dir.arg(&format!("{folder}/{target}")));
+        let all = |target| [&args[..], &[photo.as_str(), "-o", target], &small].concat();
+        for folder in ["quick", "slow"] {
+            let _ = fs::remove_dir_all(dir.path(folder));
+            fs::create_dir(dir.path(folder)).unwrap();
+        }
+        plenoscope(&all(&quick)).assert().success();
+        let [old, new] = [b"old".to_vec(), fs::read(&quick).unwrap()];
+        fs::write(&slow, &old).unwrap();
+        for error in ["EIO", "ESTALE", "EDQUOT", "ETIMEDOUT"] {
+            let Some(mut run) = injected(&dir, &[&format!("fsync,fdatasync:error={error}")], &all(&slow)) else {
+                return;
+            };
+            let said = run.stderr(Stdio::piped()).output().unwrap();
+            let said = (said.status.code(), String::from_utf8(said.stderr).unwrap());
+            assert!(
+                said.0 == Some(1) && one_line().eval(&said.1) && said.1.matches(" — ").count() == 2,
+                "{error}: {said:?}"
+            );
+            assert_eq!(all_in(&dir.path("slow")), BTreeMap::from([(PathBuf::from(target), old.clone())]), "{error}");
+        }
+        let Some(mut run) = injected(&dir, &["write,fsync,fdatasync:delay_enter=30000"], &all(&slow)) else { return };
+        let mut child = run.spawn().unwrap();
+        let mut seen = 0;
+        let code = loop {
+            let found = fs::read(&slow).unwrap();
+            assert!(found == old || found == new, "{target}: {} bytes are seen", found.len());
+            seen += usize::from(found == old);
+            if let Some(code) = child.try_wait().unwrap() {
+                break code;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        };
+        assert!(code.success() && seen > 1, "{code}, the old seen {seen} times");
+        assert_eq!(all_in(&dir.path("slow")), BTreeMap::from([(PathBuf::from(target), new)]));
+    }
+}
+
 /// What the system was asked for, in order: each file is brought to the disk before it gets its name.
 #[test]
 fn a_file_is_on_the_disk_before_it_has_its_name() {

@@ -5,7 +5,7 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color};
+use super::{MAX_DECODED_BYTES, Raster, Samples, check_whole, color};
 use crate::io::Problem;
 use crate::io::jpeg_parts::{self, JpegParts};
 
@@ -44,8 +44,9 @@ fn header(bytes: &[u8]) -> Result<(Decoder<'_>, [u32; 2], ColorSpace), Problem> 
     decoder.decode_headers().map_err(|error| Problem::damaged(FORMAT, error))?;
     let (width, height) = decoder.dimensions().ok_or_else(|| Problem::damaged(FORMAT, "it has no size"))?;
     let space = decoder.input_colorspace().ok_or_else(|| Problem::damaged(FORMAT, "it has no colours"))?;
-    check_size(width as u64, height as u64, 4, bytes.len())?;
-    Ok((decoder, [width as u32, height as u32], space))
+    let size = [width as u32, height as u32];
+    check_whole(size, 4, bytes.len())?;
+    Ok((decoder, size, space))
 }
 
 /// Decodes a JPEG that has been taken apart already.
@@ -127,7 +128,7 @@ fn read<const N: usize>(
     Ok((pixels, is_whole))
 }
 
-fn rgba_from_rgb(rgb: &[[u8; 3]]) -> Vec<[u8; 4]> {
+pub(super) fn rgba_from_rgb(rgb: &[[u8; 3]]) -> Vec<[u8; 4]> {
     rgb.iter().map(|&[r, g, b]| [r, g, b, 255]).collect()
 }
 

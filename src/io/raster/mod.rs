@@ -9,6 +9,7 @@ pub(crate) mod hdr;
 pub(crate) mod heif;
 pub(crate) mod jpeg;
 mod orient;
+mod reduce;
 pub(crate) mod still;
 mod tiff_xmp;
 
@@ -21,8 +22,10 @@ use crate::field::{Metadata, Photo, PhotoPixels, View};
 pub(crate) use color::profile_name;
 pub(crate) use orient::orient;
 
-/// The most bytes that the pixels of one picture may take.
+/// The most bytes that the pixels of one picture may take, once it is open.
 pub(crate) const MAX_DECODED_BYTES: u64 = 1 << 30;
+/// The most that they may take in a file of which a reduced picture is kept: 600 megapixels of 8 bits.
+pub(crate) const MAX_WHOLE_BYTES: u64 = 9 << 28;
 /// Bytes of pixels that any header may claim: 64 megapixels of 8 bits.
 const UNQUESTIONED_BYTES: u64 = 256 << 20;
 /// Pixels beyond that which a byte of the file may stand for. Photos have 2 to 20; of an even surface deflate makes 1032
@@ -56,6 +59,11 @@ pub(crate) enum Samples {
 /// before anything is allocated.
 pub(crate) fn check_size(width: u64, height: u64, bytes_per_pixel: u64, file_bytes: usize) -> Result<(), Problem> {
     check_size_within(MAX_DECODED_BYTES, [width, height], bytes_per_pixel, file_bytes)
+}
+
+/// The same for a picture that is reduced where it has more.
+pub(crate) fn check_whole(size: [u32; 2], bytes_per_pixel: u64, file_bytes: usize) -> Result<(), Problem> {
+    check_size_within(MAX_WHOLE_BYTES, size.map(u64::from), bytes_per_pixel, file_bytes)
 }
 
 /// The same with a limit of its own, for all views of a light field together.

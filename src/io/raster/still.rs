@@ -5,7 +5,8 @@ use std::io::Cursor;
 use image::error::ImageError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{MAX_DECODED_BYTES, Raster, Samples, check_size, color, tiff_xmp};
+use super::jpeg::rgba_from_rgb;
+use super::{MAX_WHOLE_BYTES, Raster, Samples, check_whole, color, tiff_xmp};
 use crate::io::Problem;
 use crate::io::error::part_of_a_sentence;
 use crate::io::file_type::{FileType, Pixels};
@@ -35,13 +36,13 @@ fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + 
     let (width, height) = decoder.dimensions();
     let bytes_per_sample =
         u64::from(decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count()).min(2);
-    check_size(width.into(), height.into(), 4 * bytes_per_sample, bytes.len())?;
+    check_whole([width, height], 4 * bytes_per_sample, bytes.len())?;
     Ok(decoder)
 }
 
 fn limits() -> Limits {
     let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    limits.max_alloc = Some(MAX_WHOLE_BYTES);
     limits
 }
 
@@ -65,9 +66,12 @@ fn decode(bytes: &[u8], format: &FileType) -> Result<Raster, Problem> {
     let samples = if let (DynamicImage::ImageLuma8(gray), Some(profile)) = (&picture, &icc)
         && let Some(rgb) = color::srgb_from_gray(gray, profile)
     {
-        Samples::Eight(rgb.iter().map(|&[r, g, b]| [r, g, b, 255]).collect())
+        Samples::Eight(rgba_from_rgb(&rgb))
     } else if color_type.bytes_per_pixel() == color_type.channel_count() {
-        Samples::Eight(picture.into_rgba8().into_raw().as_chunks().0.to_vec())
+        Samples::Eight(match picture {
+            DynamicImage::ImageRgb8(rgb) => rgba_from_rgb(rgb.as_raw().as_chunks().0),
+            picture => picture.into_rgba8().into_raw().as_chunks().0.to_vec(),
+        })
     } else {
         Samples::Sixteen(picture.into_rgba16().into_raw().as_chunks().0.to_vec())
     };

@@ -60,6 +60,14 @@ pub enum SaveError {
     /// No room on the disk.
     #[error("the picture cannot be saved — the disk is full — make room, or choose another disk: {}", .0.display())]
     DiskFull(PathBuf),
+    /// The disk, or the network that it is on, gives up.
+    #[error("the picture cannot be saved — the disk does not take it ({why}) — see whether it is still connected, or choose another: {}", .path.display())]
+    Disk {
+        /// What the system says.
+        why: String,
+        /// The file.
+        path: PathBuf,
+    },
     /// The extension names no format that is known here.
     #[error("the picture cannot be saved — its name names no format — end it in .png, .jpg, .tif or .webp: {}", .0.display())]
     Extension(PathBuf),
@@ -98,6 +106,7 @@ impl SaveError {
             ErrorKind::AlreadyExists => Self::InTheWay(path),
             ErrorKind::InvalidFilename => Self::Name(path),
             _ if error.get_ref().is_some_and(|inner| inner.is::<IsLink>()) => Self::IsLink(path),
+            _ if error.raw_os_error().is_some() => Self::Disk { why: error.to_string(), path },
             _ => Self::Encode { why: error.to_string(), path },
         }
     }
@@ -105,7 +114,9 @@ impl SaveError {
     /// The same error about a file, where it was made without knowing which.
     fn at(self, file: &Path) -> Self {
         match &self {
-            Self::NoRights(path) | Self::DiskFull(path) | Self::Encode { path, .. } if path.as_os_str().is_empty() => {
+            Self::NoRights(path) | Self::DiskFull(path) | Self::Disk { path, .. } | Self::Encode { path, .. }
+                if path.as_os_str().is_empty() =>
+            {
                 self.about(file)
             }
             _ => self,
@@ -118,6 +129,7 @@ impl SaveError {
         match self {
             Self::NoRights(_) => Self::NoRights(file.to_owned()),
             Self::DiskFull(_) => Self::DiskFull(file.to_owned()),
+            Self::Disk { why, .. } => Self::Disk { why, path: file.to_owned() },
             Self::Encode { why, .. } => Self::Encode { why, path: file.to_owned() },
             other => other,
         }

@@ -80,7 +80,7 @@ impl Refocus {
         }
         if let Some(size) = self.size {
             picture.size = size;
-            told(size, subject.size(), job)?;
+            told(size, subject.whole_size(), job)?;
         }
         let (recipe, replaces_source) = (how.edited(), self.replaces_source);
         Ok(Settings { picture, recipe, replaces_source, ..Settings::default() })

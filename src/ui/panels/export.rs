@@ -241,7 +241,7 @@ fn animation_rows(ui: &mut Ui, settings: &mut Settings) {
 }
 
 fn size_row(ui: &mut Ui, settings: &mut Settings, open: &Open) {
-    let photo = open.photo().map(|photo| photo.size());
+    let photo = open.photo().map(|photo| photo.whole_size());
     let views = open.field().map_or([0, 0], |field| field.size());
     let size = &mut settings.picture.size;
     widgets::labelled(ui, t!("size"), |ui| {

@@ -141,7 +141,7 @@ fn face(window: &mut Window, ui: &mut Ui, area: Rect) -> Vec<Action> {
     match look.face {
         Face::Picture => {
             let (photo, has_peaks) = (photo.as_mut(), settings.peaking);
-            let size = open.size().map(|size| settings.export.picture.size.of(size));
+            let size = open.subject().map(|subject| settings.export.picture.size.of(subject.whole_size()));
             let picture_width = size.map_or(1, |size| size[0]);
             canvas::show(Canvas { open, edit, look, pictures, photo, rest, has_peaks, picture_width }, ui, area);
         }
