@@ -85,7 +85,11 @@ fn export_command() -> Command {
                 .value_parser(export::gain)
                 .default_value("1"),
         )
-        .arg(arg!(--half "Keep the weights in 16 bits: half the file, ray depths off by less than a thousandth of a pixel"))
+        .arg(
+            arg!(--bits <BITS> "What the weights are kept in: with 16 the file is half as large, with 8 a quarter")
+                .value_parser(["32", "16", "8"])
+                .default_value("32"),
+        )
         .arg(
             arg!(--checkpoint <FILE> "Also save a small checkpoint, without moments, to start from")
                 .required(false)
@@ -182,7 +186,11 @@ fn export(matches: &ArgMatches) -> Result<()> {
         licence: required(matches, "licence")?,
         training_data: matches.get_many::<String>("training-data").into_iter().flatten().cloned().collect(),
         working_long_side: required(matches, "long-side")?,
-        bits: if matches.get_flag("half") { Bits::Sixteen } else { Bits::ThirtyTwo },
+        bits: match required::<String>(matches, "bits")?.as_str() {
+            "8" => Bits::Eight,
+            "16" => Bits::Sixteen,
+            _ => Bits::ThirtyTwo,
+        },
     };
     let (folder, difference) = export::export(&net, colour.as_ref(), &about, &required::<PathBuf>(matches, "models")?)?;
     if let Some(path) = matches.get_one::<PathBuf>("checkpoint") {

@@ -137,6 +137,12 @@ pub fn modal(ctx: &egui::Context, name: &str) -> egui::Modal {
     egui::Modal::new(egui::Id::unique(name)).frame(frame).backdrop_color(theme::VEIL.gamma_multiply(0.7))
 }
 
+/// Whether Enter was pressed for what stands out in a dialog: the keyboard is on nothing else.
+pub fn takes_enter(ctx: &egui::Context) -> bool {
+    let is_free = ctx.memory(|memory| memory.focused().is_none());
+    is_free && ctx.input(|input| input.key_pressed(egui::Key::Enter))
+}
+
 /// A row of a dialog: name on the left, field on the right.
 pub fn labelled(ui: &mut Ui, label: &str, field: impl FnOnce(&mut Ui)) {
     let weak = theme::palette(ui.ctx()).weak;

@@ -35,6 +35,12 @@ fn said(harness: &Window) -> String {
     all.find_map(|node| node.accesskit_node().label().filter(is_said)).unwrap_or_default()
 }
 
+/// What the window says aloud of itself.
+fn alert(harness: &Window) -> Option<String> {
+    let mut all = harness.root().children_recursive();
+    all.find(|node| node.accesskit_node().role() == Role::Alert)?.accesskit_node().label()
+}
+
 #[test]
 fn a_session_by_keys_alone() {
     if !has_device() {
@@ -116,10 +122,15 @@ fn a_session_by_keys_alone() {
     let files: Vec<_> = std::fs::read_dir(folder.path()).expect("the folder is there").flatten().collect();
     assert_eq!(files.len(), 1, "one file: {files:?}");
     let told = files[0].file_name().to_string_lossy().into_owned();
-    let mut all = harness.root().children_recursive();
-    let alert =
-        all.find(|node| node.accesskit_node().role() == Role::Alert).and_then(|node| node.accesskit_node().label());
-    assert_eq!(alert.as_deref(), Some(&*format!("Saved {told}")), "it is said");
+    assert_eq!(alert(&harness), Some(format!("Saved {told}")), "it is said");
+
+    // The next time Enter alone is enough: the button stands out.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    steps(&mut harness, 6);
+    harness.key_press(Key::Enter);
+    steps(&mut harness, 2);
+    wait(&mut harness, "the other export", |app| !app.is_busy());
+    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder is there").count(), 2);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-use super::{MAX_DECODED_BYTES, Raster, Samples, check_whole, color};
+use super::{MAX_DECODED_BYTES, Raster, Samples, check_whole, color, rgba_from_rgb};
 use crate::io::Problem;
 use crate::io::jpeg_parts::{self, JpegParts};
 
@@ -74,7 +74,7 @@ pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Pr
         }
         _ => {
             let (rgb, is_whole) = read::<3>(bytes, parts, size, ColorSpace::RGB)?;
-            (rgba_from_rgb(&rgb), rgb_icc(icc), is_whole)
+            (rgba_from_rgb(&rgb, 255), rgb_icc(icc), is_whole)
         }
     };
     let exif = parts.exif().map(<[u8]>::to_vec);
@@ -128,14 +128,10 @@ fn read<const N: usize>(
     Ok((pixels, is_whole))
 }
 
-pub(super) fn rgba_from_rgb(rgb: &[[u8; 3]]) -> Vec<[u8; 4]> {
-    rgb.iter().map(|&[r, g, b]| [r, g, b, 255]).collect()
-}
-
 /// Grey with a grey profile becomes sRGB; grey with an RGB profile keeps it.
 fn gray(gray: &[u8], icc: Option<Vec<u8>>) -> (Vec<[u8; 4]>, Option<Vec<u8>>) {
     match icc.as_deref().and_then(|icc| color::srgb_from_gray(gray, icc)) {
-        Some(rgb) => (rgba_from_rgb(&rgb), None),
+        Some(rgb) => (rgba_from_rgb(&rgb, 255), None),
         None => (gray.iter().map(|&y| [y, y, y, 255]).collect(), icc.filter(|icc| color::is_rgb(icc))),
     }
 }
@@ -150,7 +146,7 @@ fn cmyk(mut inks: Vec<u8>, icc: Option<Vec<u8>>) -> (Vec<[u8; 4]>, Option<Vec<u8
     let Some(icc) = icc else { return (plain(&inks), None) };
     inks.iter_mut().for_each(|ink| *ink = 255 - *ink);
     if let Some(rgb) = color::srgb_from_cmyk(&inks, &icc) {
-        return (rgba_from_rgb(&rgb), None);
+        return (rgba_from_rgb(&rgb, 255), None);
     }
     inks.iter_mut().for_each(|ink| *ink = 255 - *ink);
     (plain(&inks), None)

@@ -93,6 +93,10 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
     (kind.pixels.ok_or(Problem::Unknown)?.decode)(bytes, kind)
 }
 
+fn rgba_from_rgb<T: Copy>(rgb: &[[T; 3]], opaque: T) -> Vec<[T; 4]> {
+    rgb.iter().map(|&[r, g, b]| [r, g, b, opaque]).collect()
+}
+
 /// A picture that only needs its pixels: 8-bit RGBA, upright, with its alpha.
 pub(crate) fn decode_rgba8(bytes: &[u8]) -> Result<([u32; 2], Vec<[u8; 4]>), Problem> {
     let raster = decode(bytes)?;

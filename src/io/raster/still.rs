@@ -5,8 +5,7 @@ use std::io::Cursor;
 use image::error::ImageError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::jpeg::rgba_from_rgb;
-use super::{MAX_WHOLE_BYTES, Raster, Samples, check_whole, color, tiff_xmp};
+use super::{MAX_WHOLE_BYTES, Raster, Samples, check_whole, color, rgba_from_rgb, tiff_xmp};
 use crate::io::Problem;
 use crate::io::error::part_of_a_sentence;
 use crate::io::file_type::{FileType, Pixels};
@@ -66,14 +65,17 @@ fn decode(bytes: &[u8], format: &FileType) -> Result<Raster, Problem> {
     let samples = if let (DynamicImage::ImageLuma8(gray), Some(profile)) = (&picture, &icc)
         && let Some(rgb) = color::srgb_from_gray(gray, profile)
     {
-        Samples::Eight(rgba_from_rgb(&rgb))
+        Samples::Eight(rgba_from_rgb(&rgb, u8::MAX))
     } else if color_type.bytes_per_pixel() == color_type.channel_count() {
         Samples::Eight(match picture {
-            DynamicImage::ImageRgb8(rgb) => rgba_from_rgb(rgb.as_raw().as_chunks().0),
+            DynamicImage::ImageRgb8(rgb) => rgba_from_rgb(rgb.as_raw().as_chunks().0, u8::MAX),
             picture => picture.into_rgba8().into_raw().as_chunks().0.to_vec(),
         })
     } else {
-        Samples::Sixteen(picture.into_rgba16().into_raw().as_chunks().0.to_vec())
+        Samples::Sixteen(match picture {
+            DynamicImage::ImageRgb16(rgb) => rgba_from_rgb(rgb.as_raw().as_chunks().0, u16::MAX),
+            picture => picture.into_rgba16().into_raw().as_chunks().0.to_vec(),
+        })
     };
     icc = icc.filter(|icc| color::is_rgb(icc));
     Ok(Raster { size, samples, has_alpha: color_type.has_alpha(), icc, exif, xmp, orientation, warnings: Vec::new() })

@@ -20,6 +20,8 @@ pub enum Bits {
     ThirtyTwo,
     /// Half the file, behind a `Cast`.
     Sixteen,
+    /// A quarter of it: each output channel has a step of its own, behind a `DequantizeLinear`.
+    Eight,
 }
 
 /// The file's bytes.
@@ -101,13 +103,30 @@ impl Writer {
 
     /// Values that a node named so gives, in as many bits as the file keeps.
     fn weights(&mut self, name: &str, dims: &[usize], values: &[f32]) {
-        if self.bits == Bits::ThirtyTwo {
-            return self.floats(name, dims, values);
+        match self.bits {
+            Bits::ThirtyTwo => self.floats(name, dims, values),
+            Bits::Sixteen => self.halves(name, dims, values),
+            Bits::Eight => self.bytes(name, dims, values),
         }
+    }
+
+    fn halves(&mut self, name: &str, dims: &[usize], values: &[f32]) {
         let raw_data = values.iter().flat_map(|v| f16::from_f32(*v).to_le_bytes()).collect();
         let kept = format!("{name}.half");
         self.array(&kept, dims, pb::tensor_proto::DataType::Float16, raw_data);
         self.node("Cast", &[&kept], name, vec![int("to", pb::tensor_proto::DataType::Float as i64)]);
+    }
+
+    fn bytes(&mut self, name: &str, dims: &[usize], values: &[f32]) {
+        let channels = || values.chunks(values.len() / dims[0]);
+        let step = |channel: &[f32]| channel.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs())) / 127.0;
+        let steps: Vec<f32> = channels().map(step).collect();
+        let raw_data =
+            channels().zip(&steps).flat_map(|(of, step)| of.iter().map(move |v| (v / step).round() as i8 as u8));
+        let [kept, scale] = [format!("{name}.bytes"), format!("{name}.steps")];
+        self.array(&kept, dims, pb::tensor_proto::DataType::Int8, raw_data.collect());
+        self.floats(&scale, &dims[..1], &steps);
+        self.node("DequantizeLinear", &[&kept, &scale], name, vec![int("axis", 0)]);
     }
 
     fn array(&mut self, name: &str, dims: &[usize], kind: pb::tensor_proto::DataType, raw_data: Vec<u8>) {

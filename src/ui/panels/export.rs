@@ -35,6 +35,7 @@ pub struct Export<'a> {
 pub fn show(mut export: Export, ctx: &Context) -> Vec<Action> {
     let colors = theme::palette(ctx);
     let mut actions = Vec::new();
+    let is_enter = widgets::takes_enter(ctx);
     let modal = widgets::modal(ctx, "export");
     let shown = modal.show(ctx, |ui| {
         ui.set_width(WIDTH.min(ctx.content_rect().width() - 80.0));
@@ -48,7 +49,7 @@ pub fn show(mut export: Export, ctx: &Context) -> Vec<Action> {
         actions.extend(scroll.show(ui, |ui| body(ui, &mut export)).inner);
         ui.add_space(theme::GRID);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if widgets::main_button(ui, t!("export")).clicked() {
+            if widgets::main_button(ui, t!("export")).clicked() || is_enter {
                 actions.extend([Action::CloseDialog, Action::StartExport(export.photos.to_vec())]);
             }
             if widgets::button(ui, t!("cancel")).clicked() {

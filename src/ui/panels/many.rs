@@ -20,9 +20,7 @@ pub fn show(files: &[PathBuf], settings: &mut Settings, ctx: &Context) -> Vec<Ac
     let colors = theme::palette(ctx);
     let mut actions = Vec::new();
     let Settings { drops_one_subject: is_one_subject, takes_mean, .. } = settings;
-    // Enter takes what stands out, unless the keyboard is on something else.
-    let is_free = ctx.memory(|memory| memory.focused().is_none());
-    let is_enter = is_free && ctx.input(|input| input.key_pressed(egui::Key::Enter));
+    let is_enter = widgets::takes_enter(ctx);
     let stands_out = *is_one_subject;
     let modal = widgets::modal(ctx, "many");
     let shown = modal.show(ctx, |ui| {
