@@ -15,8 +15,8 @@ use crate::field::{Photo, Size, pixels};
 use crate::job::{Cancel, Job, Stage};
 use crate::within;
 
-/// The longest file that is read: a light field of 17×17 views in one TIFF stays below.
-pub const MAX_FILE_BYTES: u64 = 1 << 30;
+/// The longest file that is read: a light field of 17×17 views in one TIFF stays below, and 600 megapixels as they are.
+pub const MAX_FILE_BYTES: u64 = 1 << 31;
 /// The longest text that is read: an index file.
 pub(crate) const MAX_TEXT_BYTES: u64 = 16 << 20;
 

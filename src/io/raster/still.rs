@@ -5,7 +5,7 @@ use std::io::Cursor;
 use image::error::ImageError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{MAX_WHOLE_BYTES, Raster, Samples, check_whole, color, rgba_from_rgb, tiff_xmp};
+use super::{MAX_DECODED_BYTES, Raster, Samples, check_whole, color, rgba_from_rgb, tiff_xmp};
 use crate::io::Problem;
 use crate::io::error::part_of_a_sentence;
 use crate::io::file_type::{FileType, Pixels};
@@ -30,18 +30,21 @@ fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + 
     // The library knows each format by the suffix that stands first.
     let kind = format.suffixes.first().and_then(ImageFormat::from_extension).ok_or(Problem::Unknown)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), kind);
-    reader.limits(limits());
-    let decoder = reader.into_decoder().map_err(|error| problem(error, format))?;
+    reader.limits(limits(0));
+    let mut decoder = reader.into_decoder().map_err(|error| problem(error, format))?;
     let (width, height) = decoder.dimensions();
     let bytes_per_sample =
         u64::from(decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count()).min(2);
     check_whole([width, height], 4 * bytes_per_sample, bytes.len())?;
+    let all = limits(decoder.total_bytes());
+    decoder.set_limits(all).map_err(|error| problem(error, format))?;
     Ok(decoder)
 }
 
-fn limits() -> Limits {
+/// What a decoder may allocate: a picture in one strip lies in memory twice.
+fn limits(picture_bytes: u64) -> Limits {
     let mut limits = Limits::default();
-    limits.max_alloc = Some(MAX_WHOLE_BYTES);
+    limits.max_alloc = Some(MAX_DECODED_BYTES.max(2 * picture_bytes));
     limits
 }
 
