@@ -340,7 +340,9 @@ fn injected(dir: &Scratch, faults: &[&str], args: &[&str]) -> Option<Command> {
         return None;
     }
     command.args(["-f", "-q", "-o", "/dev/null", "-e", "trace=write,fsync,fdatasync"]);
-    faults.iter().for_each(|fault| drop(command.args(["-e", &format!("inject={fault}")])));
+    for fault in faults {
+        command.args(["-e", &format!("inject={fault}")]);
+    }
     command.arg(assert_cmd::cargo::cargo_bin!("plenoscope")).args(args);
     environment(&mut command, dir);
     Some(command)
