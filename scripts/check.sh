@@ -45,6 +45,16 @@ large_files() {
     ! git ls-files -z | xargs -0 du -k | awk '$1 > 12288 { print $2 " is larger than 12 MiB"; bad = 1 } END { exit !bad }'
 }
 
+# The program as people get it, without symbols; docs/building.md says what is in it.
+size_budget() {
+    local small bytes
+    small=$(mktemp) || return 1
+    strip -o "$small" "$program" && bytes=$(wc -c <"$small")
+    rm -f "$small"
+    [ "${bytes:-0}" -gt 0 ] || return 1
+    [ "$bytes" -le 60000000 ] || { echo "the program has $bytes bytes, more than 60 million: see docs/building.md"; return 1; }
+}
+
 # The program's crates on this system; docs/building.md says why each counts.
 crate_budget() {
     local crates
@@ -82,6 +92,12 @@ check "every file says what it is" headless_files
 check "no large file" large_files
 check "no path of somebody's machine" no_machine_paths
 check "no more crates than the budget" crate_budget
+program=${CARGO_TARGET_DIR:-target}/release/plenoscope
+if [ -x "$program" ] && command -v strip >/dev/null; then
+    check "the program within its size" size_budget
+else
+    echo "skip  size of the program: no release build is here, or no strip"
+fi
 
 if [ "${1:-}" != "--fast" ]; then
     # The features of `cargo xtask test`, so that what is compiled here is compiled once.
