@@ -108,6 +108,7 @@ fn reduced([width, height]: Size, whole: Size) -> String {
 /// # Errors
 /// [`OpenError`]: the file has gone, or is another one by now.
 pub fn open_whole(photo: &Photo, job: &Job) -> Result<Arc<Photo>, OpenError> {
+    job.advance(Stage::Open, 0, 1)?;
     let path = photo.source().unwrap_or(Path::new("")).to_owned();
     let size = photo.whole_size();
     let own = path.clone();
