@@ -357,9 +357,9 @@ impl Scene {
         Ok(lens::render_pixels(&rgbd, &self.lens(edit), size, bits, job)?)
     }
 
-    /// The photo, where less of it was kept than a picture needs.
+    /// The photo, where less of it was kept than a picture needs, and there is a file that has the rest.
     fn kept_too_small(&self, size: OutputSize) -> Option<&Photo> {
-        let photo = self.subject.photo()?;
+        let photo = self.subject.photo().filter(|photo| photo.source().is_some())?;
         (size != OutputSize::LightField && size.of(photo.whole_size())[0] > photo.size()[0]).then_some(photo)
     }
 
