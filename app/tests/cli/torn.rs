@@ -330,8 +330,8 @@ fn names_that_are_too_long_and_folders_that_are_gone_are_one_sentence() {
     }
 }
 
-/// A run of the program under `strace`, which injects what it is told; none where that cannot be.
-fn injected(dir: &Scratch, faults: &[&str], args: &[&str]) -> Option<Command> {
+/// A run of the program under `strace`, which does what it is told; none where that cannot be.
+fn traced(dir: &Scratch, options: &[&str], args: &[&str]) -> Option<Command> {
     let mut command = Command::new("strace");
     let is_there =
         Command::new("strace").args(["-o", "/dev/null", "true"]).output().is_ok_and(|tried| tried.status.success());
@@ -339,13 +339,15 @@ fn injected(dir: &Scratch, faults: &[&str], args: &[&str]) -> Option<Command> {
         eprintln!("SKIPPED: strace is not installed, or may not look at programs here");
         return None;
     }
-    command.args(["-f", "-q", "-o", "/dev/null", "-e", "trace=write,fsync,fdatasync"]);
-    for fault in faults {
-        command.args(["-e", &format!("inject={fault}")]);
-    }
-    command.arg(assert_cmd::cargo::cargo_bin!("plenoscope")).args(args);
+    command.args(["-f", "-q"]).args(options).arg(assert_cmd::cargo::cargo_bin!("plenoscope")).args(args);
     environment(&mut command, dir);
     Some(command)
+}
+
+/// The same with a fault that it injects.
+fn injected(dir: &Scratch, fault: &str, args: &[&str]) -> Option<Command> {
+    let inject = format!("inject={fault}");
+    traced(dir, &["-o", "/dev/null", "-e", "trace=write,fsync,fdatasync", "-e", &inject], args)
 }
 
 /// What a folder on a network does: it takes long, and in the end it may not have kept what it took.
@@ -366,7 +368,7 @@ fn slow_writes_show_the_old_or_the_new_and_failed_ones_leave_the_old() {
         let [old, new] = [b"old".to_vec(), fs::read(&quick).unwrap()];
         fs::write(&slow, &old).unwrap();
         for error in ["EIO", "ESTALE", "EDQUOT", "ETIMEDOUT"] {
-            let Some(mut run) = injected(&dir, &[&format!("fsync,fdatasync:error={error}")], &all(&slow)) else {
+            let Some(mut run) = injected(&dir, &format!("fsync,fdatasync:error={error}"), &all(&slow)) else {
                 return;
             };
             let said = run.stderr(Stdio::piped()).output().unwrap();
@@ -377,7 +379,7 @@ fn slow_writes_show_the_old_or_the_new_and_failed_ones_leave_the_old() {
             );
             assert_eq!(all_in(&dir.path("slow")), BTreeMap::from([(PathBuf::from(target), old.clone())]), "{error}");
         }
-        let Some(mut run) = injected(&dir, &["write,fsync,fdatasync:delay_enter=30000"], &all(&slow)) else { return };
+        let Some(mut run) = injected(&dir, "write,fsync,fdatasync:delay_enter=30000", &all(&slow)) else { return };
         let mut child = run.spawn().unwrap();
         let mut seen = 0;
         let code = loop {
@@ -397,25 +399,16 @@ fn slow_writes_show_the_old_or_the_new_and_failed_ones_leave_the_old() {
 /// What the system was asked for, in order: each file is brought to the disk before it gets its name.
 #[test]
 fn a_file_is_on_the_disk_before_it_has_its_name() {
-    if Command::new("strace").arg("-V").output().is_err() {
-        eprintln!("SKIPPED: strace is not installed");
-        return;
-    }
     let dir = Scratch::new();
     let photo = dir.photo("photo.png", 48, 32);
     let calls = "trace=fsync,fdatasync,linkat,link,rename,renameat,renameat2";
-    let program = assert_cmd::cargo::cargo_bin!("plenoscope");
     for (args, target, files) in
         [(vec!["refocus"], "a.png", 1), (vec!["export", "--as", "focal-stack", "--frames", "3"], "stack", 5)]
     {
-        let mut command = Command::new("strace");
-        command.args(["-f", "-e", calls, "-o", &dir.arg("log")]).arg(program).args(args);
-        command.args([&photo, "-o", &dir.arg(target), "--no-cache", "--long-side", "48"]);
-        environment(&mut command, &dir);
-        if !command.status().unwrap().success() {
-            eprintln!("SKIPPED: strace may not look at programs here");
-            return;
-        }
+        let to = dir.arg(target);
+        let args = [&args[..], &[photo.as_str(), "-o", &to, "--no-cache", "--long-side", "48"]].concat();
+        let Some(mut run) = traced(&dir, &["-e", calls, "-o", &dir.arg("log")], &args) else { return };
+        assert!(run.status().unwrap().success(), "{target}");
         let log = fs::read_to_string(dir.path("log")).unwrap();
         let lines: Vec<&str> = log.lines().collect();
         let gives = |line: &&str| (line.contains("link") || line.contains("rename")) && line.contains(target);
