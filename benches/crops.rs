@@ -48,7 +48,9 @@ fn main() {
     let scenes = scenes::all();
     let photo = photo(&scenes);
     let job = Job { cancel: &Cancel::default(), sink: &() };
-    let prepare = |map: DisparityMap| Rgbd::new(Arc::clone(&photo), map).expect("a scene").prepare(PHOTO);
+    let prepare = |map: DisparityMap| {
+        Rgbd::new(Arc::clone(&photo), map).expect("a scene").prepare(PHOTO, job.cancel).expect("nobody stops it")
+    };
     let (exact, imperfect) = (true_map(&scenes), imperfect_map(&scenes, &photo, &job));
     let prepared = [exact, imperfect].map(prepare);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/crops");

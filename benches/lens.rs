@@ -29,7 +29,7 @@ fn posts(width: u32) -> Prepared {
         if is_post(x, y) { 1.0 } else { -1.0 }
     });
     let map = DisparityMap::new(map_size, map.collect()).expect("a map");
-    Rgbd::new(Arc::new(photo), map).expect("a scene").prepare(size)
+    Rgbd::new(Arc::new(photo), map).expect("a scene").prepare(size, &Cancel::default()).expect("nobody stops it")
 }
 
 /// All that a lens focused between ground and posts makes of it; the added blur is `diameter_px` everywhere.

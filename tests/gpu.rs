@@ -146,7 +146,7 @@ fn posts(size: [u32; 2]) -> Prepared {
     let ground = |x: u32| -1.2 + 1.4 * x as f32 / size[0] as f32;
     let map = all().map(|(x, y)| if is_post(x, y) { 1.0 } else { ground(x) }).collect();
     let map = DisparityMap::new(size, map).expect("a map");
-    Rgbd::new(Arc::new(photo), map).expect("a scene").prepare(size)
+    Rgbd::new(Arc::new(photo), map).expect("a scene").prepare(size, &Cancel::default()).expect("nobody stops it")
 }
 
 #[test]

@@ -98,7 +98,7 @@ fn stack_into(
     let range = scene.map().range_px();
     let planes = focal_planes(range, frames.into());
     let rgbd = scene.rgbd()?;
-    let prepared = rgbd.prepare(scene.picture_size(size));
+    let prepared = rgbd.prepare(scene.picture_size(size), job.cancel)?;
     let whole = Region { at: [0; 2], size: prepared.size() };
     let options = PictureOptions { origin: Origin::in_own_space(rgbd.photo()), ..PictureOptions::default() };
     let write = |name: &str, picture: &Picture| save::picture(&folder.join(name), picture, &options);
@@ -155,7 +155,7 @@ impl Frames<'_> {
     fn picture(&mut self, edit: &Edit, job: &Job) -> Result<Picture, SceneError> {
         if self.ready.as_ref().is_none_or(|(strength, ..)| *strength != edit.strength) {
             let scene = self.scene.at_strength(edit.strength, &Making::default(), Need::Map, job)?;
-            let prepared = scene.rgbd()?.in_space(Space::Srgb).prepare(scene.picture_size(self.size));
+            let prepared = scene.rgbd()?.in_space(Space::Srgb).prepare(scene.picture_size(self.size), job.cancel)?;
             self.ready = Some((edit.strength, scene, prepared));
         }
         match &self.ready {
@@ -241,7 +241,7 @@ fn with_frames(
         Movement::Focus => Motion::FocusPull(scene.map().range_px()),
         _ => Motion::ApertureRamp([FNumber::PHOTO.0, edit.f_number.0]),
     };
-    let prepared = scene.rgbd()?.in_space(Space::Srgb).prepare(scene.picture_size(size));
+    let prepared = scene.rgbd()?.in_space(Space::Srgb).prepare(scene.picture_size(size), job.cancel)?;
     let whole = Region { at: [0; 2], size: prepared.size() };
     let frame = |(number, lens)| -> Result<Picture, SceneError> {
         told(number)?;

@@ -109,7 +109,7 @@ impl Renderer {
         let (_, rgbd) = self.rgbd.insert((generation, rgbd));
         job.check()?;
         let pivot_px = key.edit.pivot_px(rgbd.disparity().size()[0], scene.strength());
-        let prepared = Arc::new(rgbd.seen_from(viewpoint, pivot_px, size, job)?.prepare(size));
+        let prepared = Arc::new(rgbd.seen_from(viewpoint, pivot_px, size, job)?.prepare(size, job.cancel)?);
         self.prepared = Some((generation, (viewpoint, pivot), size, Arc::clone(&prepared)));
         Ok(prepared)
     }

@@ -8,6 +8,7 @@ use super::sample::{Axis, bilinear};
 use super::surfaces::Surfaces;
 use crate::background::{self, Cell, DISTANCE, Front, SHARE};
 use crate::field::{Raster, Size, fit_long_side, sides};
+use crate::job::{Cancel, Cancelled};
 
 /// Longest side of the grid on which what is behind is made up.
 const GRID_SIDE: u32 = 1024;
@@ -37,13 +38,19 @@ pub(super) struct Hidden {
 
 impl Behind {
     /// Behind all edges of a picture of `light`'s size. `scale`: the light's pixels per pixel of the map.
-    pub(super) fn new(surfaces: &Surfaces, light: &Light, revealed: Option<&Revealed>) -> Self {
+    pub(super) fn new(
+        surfaces: &Surfaces,
+        light: &Light,
+        revealed: Option<&Revealed>,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
         let size = fit_long_side(light.size(), GRID_SIDE);
-        let front = front(surfaces, &light.reduced(size));
+        let front = front(surfaces, &light.reduced(size, cancel)?);
+        cancel.check()?;
         let apart_px = BEHIND_PX * surfaces.map_size()[0] as f32 / size[0] as f32;
         let cells = background::behind(&front, apart_px, |x, y| seen(revealed, size, x, y));
         let is_empty = cells.pixels().iter().all(|cell| cell[SHARE] <= 0.0);
-        Self { cells, is_empty }
+        Ok(Self { cells, is_empty })
     }
 
     /// All cells.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::light::Light;
 use crate::field::{Raster, Size, between, ramp, sides};
+use crate::job::{Cancel, Cancelled};
 
 /// The window in which the two sides are looked for reaches so many cells from its middle.
 const REACH: i32 = 3;
@@ -79,18 +80,19 @@ impl Two {
 
 impl Grid {
     /// Of a map's values at the places of a grid; `ratio` is what they are multiplied by to be pixels of the grid.
-    pub(super) fn new(read: &[f32], size: Size, ratio: f32, light: &Light) -> Self {
+    pub(super) fn new(read: &[f32], size: Size, ratio: f32, light: &Light, cancel: &Cancel) -> Result<Self, Cancelled> {
         let width = size[0] as usize;
         let depth = Raster::from_fn(size, |x, y| read[y * width + x]);
-        let small = light.reduced([0, 1].map(|axis| size[axis].min(light.size()[axis])));
+        let small = light.reduced([0, 1].map(|axis| size[axis].min(light.size()[axis])), cancel)?;
         let colors = colors(&small, size);
-        Self { depth, colors, ratio }
+        Ok(Self { depth, colors, ratio })
     }
 
     /// Gives every cell near a step to the side that its colour and its place speak for.
-    pub(super) fn settled(mut self) -> Self {
+    pub(super) fn settled(mut self, cancel: &Cancel) -> Result<Self, Cancelled> {
         let mut open = self.near_step();
         for _ in 0..ROUNDS {
+            cancel.check()?;
             let judged = Raster::par_from_fn(self.depth.size(), |x, y| match open.at(x / BLOCK, y / BLOCK) {
                 true => self.judged([x as i32, y as i32]),
                 false => self.depth.at(x, y),
@@ -100,7 +102,7 @@ impl Grid {
             open = self.around(&changed, false, |a, b| a || b);
             self.depth = judged;
         }
-        self
+        Ok(self)
     }
 
     /// What is said of the cells of each block together.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::field::{Filter, Photo, PhotoPixels, Size, Taps, Transfer, pixels, sides};
+use crate::job::{Cancel, Cancelled};
 
 /// In which primaries the picture is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -92,14 +93,15 @@ impl Light {
     }
 
     /// The same at a smaller size: each pixel is the mean of the area that it covers.
-    pub(super) fn reduced(&self, size: Size) -> Self {
+    pub(super) fn reduced(&self, size: Size, cancel: &Cancel) -> Result<Self, Cancelled> {
         if size == self.size() {
-            return self.clone();
+            return Ok(self.clone());
         }
         let [cols, rows] = [0, 1].map(|axis| Taps::new(sides(self.size())[axis], sides(size)[axis], Filter::Area));
         let width = size[0] as usize;
         let mut px = vec![[0.0f32; 3]; pixels(size)];
-        px.par_chunks_mut(width).enumerate().for_each(|(y, out)| {
+        px.par_chunks_mut(width).enumerate().try_for_each(|(y, out)| {
+            cancel.check()?;
             let (first, shares) = rows.of(y);
             let mut source = vec![[0.0; 3]; self.size()[0] as usize];
             let mut sum = vec![[0.0f32; 3]; source.len()];
@@ -113,7 +115,8 @@ impl Light {
                     (0..3).for_each(|c| pixel[c] += share * p[c]);
                 }
             }
-        });
-        Self::Linear { size, px: px.into() }
+            Ok(())
+        })?;
+        Ok(Self::Linear { size, px: px.into() })
     }
 }

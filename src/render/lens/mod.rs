@@ -41,7 +41,7 @@ mod viewpoint;
 use std::sync::Arc;
 
 use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples};
-use crate::job::{Cancelled, Job};
+use crate::job::{Cancel, Cancelled, Job};
 use crate::render::Picture;
 
 use behind::Behind;
@@ -139,14 +139,15 @@ impl Rgbd {
 
     /// Everything that does not depend on the lens, for pictures of a size (at most the photo's; a side is never 0).
     /// Worth keeping while a person turns the lens.
-    pub fn prepare(&self, size: [u32; 2]) -> Prepared {
+    pub fn prepare(&self, size: [u32; 2], cancel: &Cancel) -> Result<Prepared, Cancelled> {
         let full = self.photo.size();
         let size = [0, 1].map(|axis| size[axis].clamp(1, full[axis]));
-        let light = Light::of(&self.photo, self.space).reduced(size);
-        let surfaces = Surfaces::new(self.disparity.clone(), &light);
-        let behind = Behind::new(&surfaces, &light, self.behind.as_deref());
+        let light = Light::of(&self.photo, self.space).reduced(size, cancel)?;
+        let surfaces = Surfaces::new(self.disparity.clone(), &light, cancel)?;
+        let behind = Behind::new(&surfaces, &light, self.behind.as_deref(), cancel)?;
+        cancel.check()?;
         let bounds = Bounds::new(size, &surfaces, &behind);
-        Prepared { size, light, surfaces, behind, bounds }
+        Ok(Prepared { size, light, surfaces, behind, bounds })
     }
 }
 
@@ -161,7 +162,7 @@ pub struct Prepared {
 
 /// Renders a whole picture of `size`, at most the photo's.
 pub fn render(scene: &Rgbd, lens: &Lens, size: [u32; 2], job: &Job) -> Result<Picture, LensError> {
-    let prepared = scene.prepare(size);
+    let prepared = scene.prepare(size, job.cancel)?;
     let whole = Region { at: [0; 2], size: prepared.size };
     prepared.render(lens, whole, job)
 }
@@ -170,7 +171,7 @@ pub fn render(scene: &Rgbd, lens: &Lens, size: [u32; 2], job: &Job) -> Result<Pi
 /// large photos are exported with. They are stored with the curve of the scene's [`Space`].
 pub fn render_pixels(scene: &Rgbd, lens: &Lens, size: [u32; 2], bits: u8, job: &Job) -> Result<Pixels, LensError> {
     let transfer = scene.space.transfer(&scene.photo);
-    let prepared = scene.prepare(size);
+    let prepared = scene.prepare(size, job.cancel)?;
     let whole = Region { at: [0; 2], size: prepared.size };
     let samples = if bits > 8 {
         Samples::Sixteen(prepared.tiles(lens, whole, job, |light, values| transfer.sixteen_bits(light, values))?)

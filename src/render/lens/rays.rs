@@ -4,8 +4,6 @@
 //! 4×4 … 16×16 neighbours with about the same blur and no light among them that outshines the others become one ray on
 //! a grid that much coarser: wide blurs cost less, not more. Blocks lie on a grid of the whole picture, so tiles agree.
 
-use std::ops::Range;
-
 use super::kernel::index_of;
 
 /// Levels of coarseness: cells of 1, 2, 4, 8 and 16 pixels.
@@ -81,6 +79,8 @@ pub(super) struct Ray {
 /// The rays of one tile, from far to near; each slice has a list for every level.
 pub(super) struct Slices {
     pub(super) rays: Vec<[Vec<Ray>; LEVELS]>,
+    /// The tile's pixels whose own surface is put before the slice is.
+    seen: Vec<Vec<u32>>,
     at: [i32; 2],
     size: [i32; 2],
     /// Part of the diameter that is the finest in the lens's shape (see [`Kernels::finest`](super::kernel::Kernels::finest)).
@@ -90,8 +90,9 @@ pub(super) struct Slices {
 impl Default for Slices {
     fn default() -> Self {
         let empty = || std::array::from_fn(|_| Vec::new());
-        let rays = std::iter::repeat_with(empty).take(2 * MIDDLE as usize + 1).collect();
-        Self { rays, at: [0; 2], size: [0; 2], finest: 1.0 }
+        let count = 2 * MIDDLE as usize + 1;
+        let rays = std::iter::repeat_with(empty).take(count).collect();
+        Self { rays, seen: vec![Vec::new(); count], at: [0; 2], size: [0; 2], finest: 1.0 }
     }
 }
 
@@ -99,12 +100,28 @@ impl Slices {
     /// Begins another tile.
     pub(super) fn begin(&mut self, at: [i32; 2], size: [i32; 2], finest: f32) {
         self.rays.iter_mut().flatten().for_each(Vec::clear);
+        self.seen.iter_mut().for_each(Vec::clear);
         (self.at, self.size, self.finest) = (at, size, finest);
     }
 
-    /// Those of these slices that have any light, the near ones first.
-    pub(super) fn lit(&self, slices: Range<usize>) -> impl Iterator<Item = &[Vec<Ray>; LEVELS]> {
-        self.rays[slices].iter().rev().filter(|lists| lists.iter().any(|rays| !rays.is_empty()))
+    /// Whether a slice has any light.
+    pub(super) fn is_lit(&self, slice: usize) -> bool {
+        self.rays[slice].iter().any(|rays| !rays.is_empty())
+    }
+
+    /// Pixels of the tile, in its order, whose own surface is put before a slice is.
+    pub(super) fn seen_before(&self, slice: usize) -> &[u32] {
+        &self.seen[slice]
+    }
+
+    /// Notes how much the surface is blurred that a pixel sees through all of the lens.
+    #[inline]
+    pub(super) fn see(&mut self, place: [i32; 2], blur: f32) {
+        let [x, y] = [0, 1].map(|axis| place[axis] - self.at[axis]);
+        let slice = slice_of(blur).floor() as i32 + MIDDLE - 2;
+        if slice >= 0 && (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y) {
+            self.seen[slice as usize].push((y * self.size[0] + x) as u32);
+        }
     }
 
     /// Sends light that stays in its pixel, in or around the tile.

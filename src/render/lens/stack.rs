@@ -102,7 +102,7 @@ mod tests {
         let rgba = (0..32 * 16u32).flat_map(|i| [(i * 37 % 251) as u8, (i * 91 % 241) as u8, 7, 255]).collect();
         let photo = Arc::new(Photo::from_srgb8([32, 16], rgba).unwrap());
         let map = DisparityMap::new([32, 16], (0..32 * 16).map(|i| if i % 32 < 16 { 0.0 } else { 1.0 }).collect());
-        let scene = Rgbd::new(photo, map.unwrap()).unwrap().prepare([32, 16]);
+        let scene = Rgbd::new(photo, map.unwrap()).unwrap().prepare([32, 16], &Cancel::default()).unwrap();
         let (cancel, planes) = (Cancel::default(), focal_planes([-1.0, 1.0], 3));
         let job = Job { cancel: &cancel, sink: &() };
         let index = scene.depth_index(&planes);

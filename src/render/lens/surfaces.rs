@@ -9,6 +9,7 @@ use super::edges::{AXIS, Cell, EDGE, FAR, FAR_COLOR, FOREIGN, Grid, Models, NEAR
 use super::light::Light;
 use super::sample::Axis;
 use crate::field::{DisparityMap, Mix, Raster, Size, between, fit_long_side, nearest, ramp};
+use crate::job::{Cancel, Cancelled};
 
 /// Longest side of the grid of edge models.
 const GRID_SIDE: u32 = 1024;
@@ -71,12 +72,12 @@ impl Seen {
 }
 
 impl Surfaces {
-    pub(super) fn new(map: DisparityMap, light: &Light) -> Self {
+    pub(super) fn new(map: DisparityMap, light: &Light, cancel: &Cancel) -> Result<Self, Cancelled> {
         let size = fit_long_side(map.size(), GRID_SIDE);
         let read = nearest(map.disparity_px(), map.size(), size);
-        let cells = Grid::new(&read, size, map.scale_to(size), light).settled().models();
+        let cells = Grid::new(&read, size, map.scale_to(size), light, cancel)?.settled(cancel)?.models();
         let care = care(&cells, &read);
-        Self { map, cells, care }
+        Ok(Self { map, cells, care })
     }
 
     pub(super) fn map_size(&self) -> [u32; 2] {

@@ -174,6 +174,23 @@ fn behind_an_uneven_near_side_is_the_far_side() {
 }
 
 #[test]
+fn where_blur_has_ridges_no_background_shines_through() {
+    // A dark stripe with ridges as straight pieces between a map's cells make them, before a bright wall.
+    let size = [200, 80];
+    let ridges = |x: f32, y: f32| {
+        let wave = |t: f32| ((t / 14.0).fract() * 2.0 - 1.0).abs() * 7.0;
+        0.4 + 0.008 * (wave(x) + wave(y))
+    };
+    let is_dark = |x: f32| (60.0..140.0).contains(&x);
+    let photo = photo(size, |x, _| [if is_dark(x) { 0.01 } else { 0.9 }; 3]);
+    let wide = Lens { f_number: FNumber(1.0), ..focused(0.05) };
+    let out = take(&photo, map(size, |x, y| if is_dark(x) { ridges(x, y) } else { -0.1 }), &wide);
+    let dark = (20..60).flat_map(|y| (69..131).map(move |x| (x, y)));
+    let most = dark.map(|(x, y)| at(&out, x, y)[1]).fold(0.0, f32::max);
+    assert!(most < 0.02, "the wall shines through: {most}");
+}
+
+#[test]
 fn r4_a_blurred_near_object_has_the_rim_of_a_disc_and_the_far_plane_shows_through() {
     let size = [128, 48];
     let c = 24.0f32;
@@ -422,7 +439,8 @@ fn r8_a_small_turn_of_the_lens_changes_every_pixel_a_little() {
     let layers = layers(3);
     let see = |x, y| nearest(&layers, x, y, [0.0; 2], 0.0);
     let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    let scene = Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
+    let scene =
+        Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size, &Cancel::default()).unwrap();
     let whole = Region { at: [0; 2], size };
     let shot = |n: f32, focus: f32| {
         let lens = Lens { f_number: FNumber(n), ..focused(focus) };
@@ -450,7 +468,8 @@ fn tiles_fit_together_without_a_seam() {
     let layers = layers(3);
     let see = |x: f32, y: f32| nearest(&layers, x % 128.0, y % 128.0, [0.0; 2], 0.0);
     let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    let scene = Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
+    let scene =
+        Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size, &Cancel::default()).unwrap();
     let job = Job { cancel: &Default::default(), sink: &() };
     let whole = scene.render(&focused(0.1), Region { at: [0; 2], size }, &job).unwrap();
     let part = scene.render(&focused(0.1), Region { at: [131, 77], size: [97, 101] }, &job).unwrap();

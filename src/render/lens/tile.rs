@@ -98,10 +98,13 @@ impl Bench {
         self.spread.begin(region);
         let [first, end] = NEARLY_SHARP;
         self.put(end..self.slices.rays.len(), optics);
-        if self.slices.lit(first..end).next().is_some() {
+        let is_any_sharp = (first..end).any(|slice| self.slices.is_lit(slice));
+        if is_any_sharp {
             self.open.clear();
             self.open.extend(self.front.iter().map(|pixel| pixel[3]));
-            self.put(first..end, optics);
+        }
+        self.put(first..end, optics);
+        if is_any_sharp {
             self.front.iter_mut().zip(&self.open).for_each(|(pixel, open)| close(pixel, *open));
         }
         self.put(0..first, optics);
@@ -115,8 +118,13 @@ impl Bench {
 
     /// Puts slices behind what is there.
     fn put(&mut self, slices: Range<usize>, optics: &Optics) {
-        for rays in self.slices.lit(slices) {
-            self.spread.put_behind(rays, optics, &mut self.front);
+        for slice in slices.rev() {
+            for pixel in self.slices.seen_before(slice) {
+                close(&mut self.front[*pixel as usize], 1.0);
+            }
+            if self.slices.is_lit(slice) {
+                self.spread.put_behind(&self.slices.rays[slice], optics, &mut self.front);
+            }
         }
     }
 
@@ -202,6 +210,7 @@ impl Block<'_> {
         self.colors.each(|[x, y], color| {
             let [at_x, at_y] = self.at([x, y]);
             let blur = self.optics.blur(self.reader.disparity(&self.rows[y], self.left + x), at_x, at_y);
+            slices.see([at_x, at_y], blur);
             pieces[y * BLOCK + x] = Piece::new(recovered(color, self.optics.lens.highlights, blur), 1.0, blur);
         });
         slices.send_block(self.place, &mut pieces);
@@ -214,6 +223,9 @@ impl Block<'_> {
         let mut any_behind = false;
         self.colors.each(|[x, y], color| {
             let (seen, hidden) = self.reader.at(&self.rows[y], self.left + x, &color);
+            if let Some(blur) = whole(self.optics, self.at([x, y]), &seen, hidden.as_ref()) {
+                slices.see(self.at([x, y]), blur);
+            }
             let [first, second] = pieces(self.optics, self.at([x, y]), color, seen, hidden);
             any_behind |= !second.is_empty();
             before[y * BLOCK + x] = first;
@@ -224,6 +236,17 @@ impl Block<'_> {
             slices.send_block(self.place, &mut after);
         }
     }
+}
+
+/// How much the surface is blurred that a pixel sees, where all of the lens sees it there: not within a rim, nor between two
+/// sides.
+#[inline]
+fn whole(optics: &Optics, [x, y]: [i32; 2], seen: &Seen, hidden: Option<&Hidden>) -> Option<f32> {
+    if seen.cover > MIXTURE[0] && seen.cover < MIXTURE[1] {
+        return None;
+    }
+    let blur = optics.blur(seen.disparity_px(), x, y);
+    hidden.is_none_or(|hidden| hidden.distance_px > blur.abs() / 2.0 + 1.5).then_some(blur)
 }
 
 /// Light of one pixel: from its near side, and from what goes on behind that.

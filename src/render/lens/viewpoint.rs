@@ -17,7 +17,7 @@ use crate::field::{
     DisparityMap, Mix, Photo, PhotoPixels, PixelsPart, Raster, Size, ToSrgb8, Transfer, ViewPoint, bilinear,
     nearest_index, sides,
 };
-use crate::job::{Job, Stage};
+use crate::job::{Cancel, Cancelled, Job, Stage};
 
 /// A ray that is behind a surface by more than this, in pixels per view step of the map, has gone past its edge.
 const PAST_PX: f32 = 0.06;
@@ -35,7 +35,7 @@ impl Rgbd {
         }
         let full = self.photo.size();
         let size = [0, 1].map(|axis| size[axis].clamp(1, full[axis]));
-        let front = Front::new(self, size);
+        let front = Front::new(self, size, job.cancel)?;
         let scale = self.disparity.scale_to(size);
         let shift = [eye.0.du * scale, eye.0.dv * scale];
         let aside = shift.map(|shift| shift * pivot_px);
@@ -72,10 +72,10 @@ struct Front {
 }
 
 impl Front {
-    fn new(scene: &Rgbd, size: Size) -> Self {
-        let light = Light::of(&scene.photo, scene.space).reduced(size);
-        let surfaces = Surfaces::new(scene.disparity.clone(), &light);
-        let behind = Behind::new(&surfaces, &light, scene.behind.as_deref());
+    fn new(scene: &Rgbd, size: Size, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let light = Light::of(&scene.photo, scene.space).reduced(size, cancel)?;
+        let surfaces = Surfaces::new(scene.disparity.clone(), &light, cancel)?;
+        let behind = Behind::new(&surfaces, &light, scene.behind.as_deref(), cancel)?;
         let transfer = match scene.space {
             Space::Own => Transfer::of_profile(scene.photo.metadata().icc.as_deref()),
             Space::Srgb => Transfer::srgb(),
@@ -83,16 +83,18 @@ impl Front {
         let width = size[0] as usize;
         let reader = surfaces.reader(0, width, size);
         let mut depth = vec![0.0; width * size[1] as usize];
-        depth.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        depth.par_chunks_mut(width).enumerate().try_for_each(|(y, row)| {
+            cancel.check()?;
             let mut colors = vec![[0.0; 3]; width];
             light.row(0, y as i32, &mut colors);
             let at = reader.at_row(y as i32);
             for (i, (depth, color)) in row.iter_mut().zip(&colors).enumerate() {
                 *depth = reader.seen(&at, i, color).disparity_px();
             }
-        });
+            Ok(())
+        })?;
         let range = depth.iter().fold([f32::MAX, f32::MIN], |[lo, hi], &d| [lo.min(d), hi.max(d)]);
-        Self { size, light, depth, range, behind, transfer }
+        Ok(Self { size, light, depth, range, behind, transfer })
     }
 
     /// Colour and disparity of what is seen at a pixel; `shift`: pixels by which a disparity of 1 is displaced.

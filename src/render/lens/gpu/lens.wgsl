@@ -33,6 +33,7 @@ const UNIT: f32 = 16777216.0;
 const MIDDLE: i32 = 28;
 const SHARP_PX: f32 = 0.3;
 const NEARLY_SHARP: i32 = 6;
+const NEVER: i32 = -1000;
 const LOOSE = vec2f(0.05, 0.2);
 const DARK: f32 = 0.004;
 const FAR_SPREAD: f32 = 1.5;
@@ -57,6 +58,8 @@ const ROW_LANES: u32 = 64u;
 @group(0) @binding(11) var<storage, read_write> front: array<vec4f>;
 // What is left to cover before anything nearly sharp is put.
 @group(0) @binding(12) var<storage, read_write> open: array<f32>;
+// The slice of each gathered pixel before which its own surface is put.
+@group(0) @binding(13) var<storage, read_write> seen: array<i32>;
 
 @group(1) @binding(0) var<uniform> slice: vec4i;
 
@@ -93,6 +96,16 @@ fn store(i: u32, near: vec4f, near_blur: f32, far: vec4f, far_blur: f32) {
     blurs[2u * i + 1u] = far_blur;
 }
 
+fn seen_before(i: u32, pixel: vec2i) -> i32 {
+    let cover = sides[i].y;
+    let blur = blur_of(select(colors[i].w, sides[i].x, cover <= 0.01), pixel);
+    let is_rim = sides[i].w > 0.0 && nears[i].w <= abs(blur) / 2.0 + 1.5;
+    if is_rim || (cover > 0.01 && cover < 0.99) {
+        return NEVER;
+    }
+    return i32(floor(slice_of(blur))) - 2;
+}
+
 // Light of each pixel: from its near side, and from what goes on behind that.
 @compute @workgroup_size(8, 8)
 fn pieces(@builtin(global_invocation_id) id: vec3u) {
@@ -101,6 +114,7 @@ fn pieces(@builtin(global_invocation_id) id: vec3u) {
     }
     let i = id.y * params.gather_size.x + id.x;
     let pixel = params.gather_at + vec2i(id.xy);
+    seen[i] = seen_before(i, pixel);
     let color = colors[i].rgb;
     var cover = sides[i].y;
     let share = sides[i].w;
@@ -245,26 +259,31 @@ fn cover(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
         before += sums[ROW_LANES - 1u];
         workgroupBarrier();
         if x < params.size.x {
-            put_behind(row * params.size.x + x, vec4f(sum) / UNIT);
+            let gathered = vec2u(vec2i(vec2u(x, row)) + params.inset);
+            let own = seen[gathered.y * params.gather_size.x + gathered.x];
+            put_behind(row * params.size.x + x, vec4f(sum) / UNIT, own);
         }
     }
 }
 
-fn close(i: u32) {
+fn close(i: u32, opened: f32) {
     let left = front[i].w;
-    if left > 0.0 && left < LOOSE.y * open[i] {
-        let kept = left * ramp(LOOSE.x, LOOSE.y, left / open[i]);
+    if left > 0.0 && left < LOOSE.y * opened {
+        let kept = left * ramp(LOOSE.x, LOOSE.y, left / opened);
         front[i] = vec4f(front[i].rgb * ((1.0 - kept) / (1.0 - left)), kept);
     }
 }
 
-fn put_behind(i: u32, spread_light: vec4f) {
+fn put_behind(i: u32, spread_light: vec4f, own: i32) {
     let light = spread_light + still[i];
     still[i] = vec4f(0.0);
     if slice.x == NEARLY_SHARP {
         open[i] = front[i].w;
     } else if slice.x == -NEARLY_SHARP - 1 {
-        close(i);
+        close(i, open[i]);
+    }
+    if slice.x == own {
+        close(i, 1.0);
     }
     if light.w <= 1e-5 {
         return;

@@ -153,7 +153,7 @@ impl LensGpu {
         });
         let (kernels, spans) = kernel_table(&optics.kernels, kept.widest(optics));
         let [kernels, spans] = [bytemuck::cast_slice(&kernels), bytemuck::cast_slice(&spans)].map(|b| self.storage(b));
-        let [lights, blurs] = [32 * count, 8 * count].map(|bytes| self.empty(bytes));
+        let [lights, blurs, seen] = [32 * count, 8 * count, 4 * count].map(|bytes| self.empty(bytes));
         let pixels = u64::from(width) * u64::from(height);
         let steps = self.empty(16 * u64::from(width + 2) * u64::from(height));
         let still = self.empty(16 * pixels);
@@ -162,9 +162,11 @@ impl LensGpu {
         let [colors, sides, hidden, nears] = &kept.buffers;
         let bind = |pipeline: &wgpu::ComputePipeline, buffers: &[(u32, &wgpu::Buffer)]| self.bind(pipeline, buffers);
         let own = [(0, &params), (5, &lights), (6, &blurs)];
-        let pieces = bind(&self.pieces, &[&own[..], &[(1, colors), (2, sides), (3, hidden), (4, nears)]].concat());
+        let pieces =
+            bind(&self.pieces, &[&own[..], &[(1, colors), (2, sides), (3, hidden), (4, nears), (13, &seen)]].concat());
         let spread = bind(&self.spread, &[&own[..], &[(7, &kernels), (8, &spans), (9, &steps), (10, &still)]].concat());
-        let cover = bind(&self.cover, &[(0, &params), (9, &steps), (10, &still), (11, &front), (12, &open)]);
+        let cover =
+            bind(&self.cover, &[(0, &params), (9, &steps), (10, &still), (11, &front), (12, &open), (13, &seen)]);
         let slices = self.slices(kept.slices(optics));
         let groups = gather.map(|side| side.div_ceil(8));
         let mut encoder = self.device.create_command_encoder(&Default::default());

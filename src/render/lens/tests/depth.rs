@@ -38,7 +38,10 @@ fn an_edge_of_the_map_goes_to_where_colours_part() {
     let photo = photo(size, |x, y| if is_near(x, y) { before(x, y) } else { behind(x, y) });
     let depth = |x: f32, y: f32| if is_near(x, y) { 0.6 } else { -0.3 };
     for off in [-3.0, 0.0, 3.0] {
-        let scene = Rgbd::new(Arc::clone(&photo), imperfect(size, off, depth)).unwrap().prepare(size);
+        let scene = Rgbd::new(Arc::clone(&photo), imperfect(size, off, depth))
+            .unwrap()
+            .prepare(size, &Cancel::default())
+            .unwrap();
         let (reader, mut colors, mut wrong) = (scene.reader(0, 96), vec![[0.0; 3]; 96], 0);
         for y in 0..80 {
             scene.light.row(0, y, &mut colors);
@@ -56,7 +59,8 @@ fn no_block_is_blurred_more_than_its_bound() {
     let layers = layers(3);
     let see = |x: f32, y: f32| nearest(&layers, x, y, [0.0; 2], 0.0);
     let photo = photo(size, |x, y| (see(x, y).light)(x, y));
-    let scene = Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size);
+    let scene =
+        Rgbd::new(photo, map(size, |x, y| see(x, y).disparity)).unwrap().prepare(size, &Cancel::default()).unwrap();
     let focus = FocalPlane { disparity_px: 0.3, tilt_px: [0.5, -0.2] };
     let lens = Lens { focus, curve_px: 0.3, keep_sharp_px: [0.0, 0.1], ..Lens::default() };
     let optics = scene.optics(&lens);

@@ -43,7 +43,7 @@ pub(super) fn write(
     }
     job.advance(Stage::Refocus, 0, 3)?;
     let rgbd = scene.rgbd()?.in_space(Space::Srgb);
-    let layers = rgbd.prepare(size).layers();
+    let layers = rgbd.prepare(size, job.cancel)?.layers();
     job.advance(Stage::Refocus, 1, 3)?;
     let strip = strip(&rgbd, &lens, job)?;
     let numbers = numbers(scene, edit, &lens, &layers);
@@ -89,7 +89,7 @@ fn numbers(scene: &Scene, edit: &Edit, lens: &Lens, layers: &Layers) -> Numbers 
 /// Small pictures focused from far to near.
 fn strip(rgbd: &Rgbd, lens: &Lens, job: &Job) -> Result<Vec<(String, Rgb)>, SceneError> {
     let (count, side) = STRIP;
-    let prepared = rgbd.prepare(fit_long_side(rgbd.photo().size(), side));
+    let prepared = rgbd.prepare(fit_long_side(rgbd.photo().size(), side), job.cancel)?;
     let whole = Region { at: [0; 2], size: prepared.size() };
     let quiet = Job { cancel: job.cancel, sink: &() };
     let pull = lenses(lens, Motion::FocusPull(rgbd.disparity().range_px()), count);

@@ -105,6 +105,7 @@ vec4 encoded(vec3 c) {
 const PIECES = HEAD + BLUR + `
 uniform sampler2D seen, sides, hidden, hiddenAt;
 uniform float cells;
+const float NEVER = -1000.0;
 layout(location = 0) out vec4 near;
 layout(location = 1) out vec4 far;
 layout(location = 2) out vec4 slices;
@@ -112,8 +113,13 @@ float sliceOf(float blur) {
   float b = abs(blur), at = b <= 2.0 ? b : 2.0 + log(b / 2.0) / log(1.3);
   return blur < 0.0 ? -at : at;
 }
-void put(vec4 n, float nBlur, vec4 f, float fBlur) {
-  near = n; far = f; slices = vec4(sliceOf(nBlur), sliceOf(fBlur), 0.0, 1.0);
+// The slice before which a pixel's own surface is put, where all of the lens sees that: not within a rim.
+float ownBefore(float cover, bool known, float distance_, float blur) {
+  bool isRim = known && distance_ <= abs(blur) / 2.0 + 1.5;
+  return isRim || (cover > 0.01 && cover < 0.99) ? NEVER : floor(sliceOf(blur)) - 2.0;
+}
+void put(vec4 n, float nBlur, vec4 f, float fBlur, float own) {
+  near = n; far = f; slices = vec4(sliceOf(nBlur), sliceOf(fBlur), own, 1.0);
 }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -122,26 +128,26 @@ void main() {
   vec2 backAt = texelFetch(hiddenAt, at, 0).rg;
   float cover = 1.0 - s.b, share = back.a;
   bool known = share > 0.02;
-  float farOwn = blurOf(s.r - s.g);
-  if (cover <= 0.01) { put(vec4(recovered(color, farOwn), 1.0), farOwn, vec4(0.0), 0.0); return; }
-  float n = blurOf(s.r);
+  float farOwn = blurOf(s.r - s.g), n = blurOf(s.r), distance_ = (backAt.y * 255.0 - 1.0) * cells;
+  float own = ownBefore(cover, known, distance_, cover <= 0.01 ? farOwn : n);
+  if (cover <= 0.01) { put(vec4(recovered(color, farOwn), 1.0), farOwn, vec4(0.0), 0.0, own); return; }
   bool mixed = cover < 0.99;
   float f = mixed ? farOwn : blurOf(backAt.x);
   float apart = ramp(0.4, 1.2, sliceOf(n) - sliceOf(f));
   bool alone = apart <= 0.0 && (!mixed || max(abs(n), abs(f)) < 0.3 || !known);
-  if (alone || (!mixed && !known)) { put(vec4(recovered(color, n), 1.0), n, vec4(0.0), 0.0); return; }
+  if (alone || (!mixed && !known)) { put(vec4(recovered(color, n), 1.0), n, vec4(0.0), 0.0, own); return; }
   if (!mixed) {
-    float reach = max(abs(n), abs(f)) / 2.0 + 1.5, distance_ = (backAt.y * 255.0 - 1.0) * cells;
+    float reach = max(abs(n), abs(f)) / 2.0 + 1.5;
     float part = share * apart * (1.0 - ramp(reach, 1.5 * reach + 4.0, distance_));
-    put(vec4(recovered(color, n), 1.0), n, vec4(recovered(back.rgb, f) * part, part), f);
+    put(vec4(recovered(color, n), 1.0), n, vec4(recovered(back.rgb, f) * part, part), f, own);
     return;
   }
   float sure = known ? share * apart : 0.0;
   vec3 rgb = known ? back.rgb : vec3(0.0), part = (color + 0.004) / (rgb + 0.004);
   cover = max(cover, sure * max(1.0 - 1.5 * min(part.r, min(part.g, part.b)), 0.0));
   vec3 unmixed = clamp(color - (1.0 - cover) * rgb, vec3(0.0), min(vec3(cover), color));
-  vec3 own = cover * color + (unmixed - cover * color) * sure;
-  put(vec4(own, cover), n, vec4(color - own + cover * sure * rgb, 1.0 - cover + cover * sure), f);
+  vec3 lit = cover * color + (unmixed - cover * color) * sure;
+  put(vec4(lit, cover), n, vec4(color - lit + cover * sure * rgb, 1.0 - cover + cover * sure), f, own);
 }`;
 
 const SLICE = HEAD + `
@@ -158,12 +164,19 @@ void main() {
 
 // A slice through the round lens, on a coarser level where it is spread widely, put behind what is nearer.
 const SPREAD = HEAD + `
-uniform sampler2D light, front;
+uniform sampler2D light, front, slices;
 uniform vec2 size;
-uniform float radius, level, empty;
+uniform float radius, level, empty, slice;
 out vec4 result;
+// Covers a pixel of which its own surface has left next to nothing.
+vec4 closed(vec4 before) {
+  if (before.a <= 0.0 || before.a >= 0.2) return before;
+  float kept = before.a * smoothstep(0.05, 0.2, before.a);
+  return vec4(before.rgb * (1.0 - kept) / (1.0 - before.a), kept);
+}
 void main() {
   vec4 before = texelFetch(front, ivec2(gl_FragCoord.xy), 0), sum = vec4(0.0);
+  if (texelFetch(slices, ivec2(gl_FragCoord.xy), 0).b == slice) before = closed(before);
   vec2 uv = gl_FragCoord.xy / size;
   result = before;
   if (before.a <= 0.0 || textureLod(light, uv, empty).a <= 0.0) return;
@@ -385,7 +398,8 @@ function renderer(canvas, images, scene) {
       gl.generateMipmap(gl.TEXTURE_2D);
       const level = Math.max(0, Math.ceil(Math.log2(diameter / ACROSS))), cell = 2 ** level;
       const own = Math.sqrt(Math.max(diameter ** 2 - 4 * (cell * cell - 1), 0)) / cell;
-      draw(spread, other, [["light", to.slice.textures[0]], ["front", front.textures[0]]], {
+      draw(spread, other, [["light", to.slice.textures[0]], ["front", front.textures[0]], ["slices", to.pieces.textures[2]]], {
+        slice: i,
         radius: diameter < 0.3 ? 0 : own / 2, level, empty: Math.ceil(Math.log2(Math.max(diameter, 1))),
       });
       [front, other] = [other, front];
