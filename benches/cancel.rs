@@ -19,12 +19,15 @@ fn main() {
     let synthesizer = Synthesizer::load(&ModelSource::Embedded).expect("the shipped nets load");
     let photo = sample::sample().expect("the sample is drawn").photo;
     let params = SynthParams::default();
-    let quiet = |cancel| Job { cancel, sink: &() };
     tell("a light field", 60, &|cancel| synthesizer.synthesize(&photo, &params, &quiet(cancel)).is_err());
     let large = large();
     tell("54 megapixels refocused", 30, &|cancel| {
         lens::render_pixels(&large, &Lens::default(), LARGE, 8, &quiet(cancel)).is_err()
     });
+}
+
+fn quiet(cancel: &Cancel) -> Job<'_> {
+    Job { cancel, sink: &() }
 }
 
 /// A textured photo with a step of depth.

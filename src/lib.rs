@@ -12,7 +12,7 @@
 //! * [`kernel`]: the convolutions that inference and training share.
 //! * [`mod@bench`]: how fast the nets run, against the machine's peak.
 //! * [`render`]: pictures from a light field, on the CPU (for keeping) and with wgpu (for looking).
-//! * [`background`]: what goes on behind near edges.
+//! * [`background`]: what goes on behind near edges; `semiglobal`: which of many depths each pixel has, its neighbours heard.
 //! * [`splats`]: scenes of Gaussian splats, their pictures, rays and true defocus.
 //! * [`repair`]: depth mended by hand, as a list of operations on a map.
 //! * [`burst`]: several photos of one subject: depth that was measured, rays that were seen.
@@ -66,6 +66,7 @@ mod panics;
 pub mod render;
 pub mod repair;
 pub mod scene;
+mod semiglobal;
 pub mod shard;
 pub mod splats;
 pub mod synth;

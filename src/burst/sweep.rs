@@ -11,7 +11,7 @@ use super::BurstError;
 use super::camera::{Focal, Pose, pixel_of_place, place_of_pixel};
 use crate::field::{Raster, Size, View, ramp, sides};
 use crate::job::{Job, Stage};
-use crate::synth::semiglobal::{Changes, Volume, lowest};
+use crate::semiglobal::{Changes, Volume, lowest};
 
 /// Shift between two planes in the frame that moved most, in pixels.
 const PLANE_PX: f64 = 0.5;

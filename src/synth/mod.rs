@@ -30,7 +30,6 @@ mod pipeline;
 pub mod range;
 mod relative;
 mod scale;
-pub(crate) mod semiglobal;
 mod speckles;
 mod steps;
 pub mod sweep;

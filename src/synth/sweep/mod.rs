@@ -10,11 +10,11 @@ mod shift;
 
 use rayon::prelude::*;
 
-use super::semiglobal::{Changes, DIRECTIONS, Volume, lowest};
 use super::upsample;
 use super::{SynthError, lift};
 use crate::field::{DisparityMap, LightField, RayDepths, Size, ViewGrid, ViewIndex, disparity_scale, fit_long_side};
 use crate::job::{Cancelled, Job, Stage};
+use crate::semiglobal::{Changes, DIRECTIONS, Volume, lowest};
 use cost::Views;
 
 /// Long side of the sweep that finds the range.
