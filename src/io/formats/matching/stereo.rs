@@ -7,8 +7,9 @@ use crate::field::{Raster, RelativeDepth};
 use crate::job::Cancel;
 use crate::semiglobal::{Changes, Volume, lowest};
 
-/// Width at which pairs are matched.
+/// Width at which pairs are matched, and what of their height is at most.
 const WIDTH: u32 = 512;
+const HEIGHT: u32 = 768;
 /// Shifts that are tried, as shares of the width: a spatial photo's pair may be shifted against itself.
 const RANGE: [f32; 2] = [-0.08, 0.12];
 /// Cost of a step of one pixel from place to place, and of a larger one where the picture is even: bits of the census.
@@ -28,7 +29,9 @@ const NONE: f32 = f32::NAN;
 /// Shift of every pixel of `from` in `to`: `from(x) = to(x + sign · d)`, larger `d` is nearer. None where the pictures
 /// do not match at all.
 pub(crate) fn stereo(from: Raster<f32>, to: Raster<f32>, sign: f32) -> Option<RelativeDepth> {
-    let (from, to) = (fit_width(from, WIDTH), fit_width(to, WIDTH));
+    let [width, height] = from.size();
+    let width = WIDTH.min((u64::from(HEIGHT) * u64::from(width) / u64::from(height)) as u32).max(1);
+    let [from, to] = [from, to].map(|picture| fit_width(picture, width));
     if from.size() != to.size() {
         return None;
     }
