@@ -79,8 +79,8 @@ pub(super) struct Ray {
 /// The rays of one tile, from far to near; each slice has a list for every level.
 pub(super) struct Slices {
     pub(super) rays: Vec<[Vec<Ray>; LEVELS]>,
-    /// The tile's pixels whose own surface is put before the slice is.
-    seen: Vec<Vec<u32>>,
+    /// The tile's pixels whose own surface is put before the slice is: columns and rows, the first and the one after the last.
+    seen: Vec<Vec<[[u16; 2]; 2]>>,
     at: [i32; 2],
     size: [i32; 2],
     /// Part of the diameter that is the finest in the lens's shape (see [`Kernels::finest`](super::kernel::Kernels::finest)).
@@ -109,18 +109,29 @@ impl Slices {
         self.rays[slice].iter().any(|rays| !rays.is_empty())
     }
 
-    /// Pixels of the tile, in its order, whose own surface is put before a slice is.
-    pub(super) fn seen_before(&self, slice: usize) -> &[u32] {
+    /// Pixels of the tile whose own surface is put before a slice is: columns and rows, the first and the one after the last.
+    pub(super) fn seen_before(&self, slice: usize) -> &[[[u16; 2]; 2]] {
         &self.seen[slice]
     }
 
-    /// Notes how much the surface is blurred that a pixel sees through all of the lens.
+    /// Notes how much the surface is blurred at least that a square of pixels sees through all of the lens.
     #[inline]
-    pub(super) fn see(&mut self, place: [i32; 2], blur: f32) {
-        let [x, y] = [0, 1].map(|axis| place[axis] - self.at[axis]);
+    fn see(&mut self, place: [i32; 2], side: i32, blur: f32) {
+        let part = [0, 1].map(|a| [0, side].map(|end| (place[a] + end - self.at[a]).clamp(0, self.size[a]) as u16));
         let slice = slice_of(blur).floor() as i32 + MIDDLE - 2;
-        if slice >= 0 && (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y) {
-            self.seen[slice as usize].push((y * self.size[0] + x) as u32);
+        if slice >= 0 && part.iter().all(|[first, end]| first < end) {
+            self.seen[slice as usize].push(part);
+        }
+    }
+
+    /// The same of a block, `[y, x]` of [`BLOCK`]² blurs; not a number where not all of the lens sees a pixel's surface.
+    pub(super) fn see_block(&mut self, place: [i32; 2], blurs: &[f32; BLOCK * BLOCK]) {
+        let least = blurs.iter().fold(f32::MAX, |least, blur| least.min(*blur));
+        if !blurs.iter().any(|blur| blur.is_nan()) {
+            return self.see(place, BLOCK as i32, least);
+        }
+        for (i, blur) in blurs.iter().enumerate().filter(|(_, blur)| !blur.is_nan()) {
+            self.see([place[0] + (i % BLOCK) as i32, place[1] + (i / BLOCK) as i32], 1, *blur);
         }
     }
 

@@ -57,6 +57,8 @@ pub(super) struct Bench {
     /// What is left to cover before anything nearly sharp is put.
     open: Vec<f32>,
     colors: Vec<[f32; 3]>,
+    /// Columns of the tile.
+    width: usize,
     /// The tile, `[y, x, 3]`.
     light: Vec<f32>,
 }
@@ -93,6 +95,7 @@ impl Bench {
     /// Renders a region.
     pub(super) fn render(&mut self, picture: &Prepared, optics: &Optics, region: Region) {
         self.gather(picture, optics, region);
+        self.width = region.size[0] as usize;
         self.front.clear();
         self.front.resize(pixels(region.size), [0.0, 0.0, 0.0, 1.0]);
         self.spread.begin(region);
@@ -119,8 +122,10 @@ impl Bench {
     /// Puts slices behind what is there.
     fn put(&mut self, slices: Range<usize>, optics: &Optics) {
         for slice in slices.rev() {
-            for pixel in self.slices.seen_before(slice) {
-                close(&mut self.front[*pixel as usize], 1.0);
+            for [columns, rows] in self.slices.seen_before(slice) {
+                let [[first, end], rows] = [columns, rows].map(|part| part.map(usize::from));
+                let lines = self.front.chunks_exact_mut(self.width).take(rows[1]).skip(rows[0]);
+                lines.flat_map(|line| &mut line[first..end]).for_each(|pixel| close(pixel, 1.0));
             }
             if self.slices.is_lit(slice) {
                 self.spread.put_behind(&self.slices.rays[slice], optics, &mut self.front);
@@ -207,12 +212,14 @@ impl Block<'_> {
     /// Sends the light of a block of one surface.
     fn send_plain(self, slices: &mut Slices) {
         let mut pieces = [Piece::default(); BLOCK * BLOCK];
+        let mut blurs = [0.0; BLOCK * BLOCK];
         self.colors.each(|[x, y], color| {
             let [at_x, at_y] = self.at([x, y]);
             let blur = self.optics.blur(self.reader.disparity(&self.rows[y], self.left + x), at_x, at_y);
-            slices.see([at_x, at_y], blur);
+            blurs[y * BLOCK + x] = blur;
             pieces[y * BLOCK + x] = Piece::new(recovered(color, self.optics.lens.highlights, blur), 1.0, blur);
         });
+        slices.see_block(self.place, &blurs);
         slices.send_block(self.place, &mut pieces);
     }
 
@@ -220,17 +227,19 @@ impl Block<'_> {
     fn send(self, slices: &mut Slices) {
         let mut before = [Piece::default(); BLOCK * BLOCK];
         let mut after = [Piece::default(); BLOCK * BLOCK];
+        let mut blurs = [f32::NAN; BLOCK * BLOCK];
         let mut any_behind = false;
         self.colors.each(|[x, y], color| {
             let (seen, hidden) = self.reader.at(&self.rows[y], self.left + x, &color);
             if let Some(blur) = whole(self.optics, self.at([x, y]), &seen, hidden.as_ref()) {
-                slices.see(self.at([x, y]), blur);
+                blurs[y * BLOCK + x] = blur;
             }
             let [first, second] = pieces(self.optics, self.at([x, y]), color, seen, hidden);
             any_behind |= !second.is_empty();
             before[y * BLOCK + x] = first;
             after[y * BLOCK + x] = second;
         });
+        slices.see_block(self.place, &blurs);
         slices.send_block(self.place, &mut before);
         if any_behind {
             slices.send_block(self.place, &mut after);
