@@ -1,8 +1,7 @@
 //! Depth from both eyes of a stereo pair, whose rows lie level: semi-global matching of census transforms, so that exposure
 //! may differ between the eyes. What only one eye sees is the far side's.
 
-use super::census;
-use super::fit_width;
+use super::{census, fit_width};
 use crate::field::{Raster, RelativeDepth};
 use crate::job::Cancel;
 use crate::semiglobal::{Changes, Volume, lowest};
@@ -17,8 +16,8 @@ const SMALL_STEP: i16 = 8;
 const LARGE_STEP: f32 = 90.0;
 /// A large step costs half as much where the picture's brightness changes by this.
 const EDGE: f32 = 0.04;
-/// Shifts of both eyes that agree differ by this at most, pixels.
-const AGREE_PX: f32 = 1.0;
+/// Shifts that agree, both eyes' or two neighbours', differ by this at most, pixels.
+const AGREE_PX: u8 = 1;
 /// Pictures of which a smaller share agrees are no pair.
 const LEAST_AGREED: f32 = 0.3;
 /// Patches that agree with nothing around them and have fewer pixels are specks.
@@ -77,7 +76,8 @@ impl Pair {
         Some(Raster::par_from_fn(from.size(), |x, y| {
             let (shift, part) = lowest(heard.of(y * self.width as usize + x));
             let there = self.column(x, self.first + shift as i32);
-            let agrees = there.is_some_and(|x| others.at(x, y).is_some_and(|other| other.abs_diff(shift) <= 1));
+            let agrees =
+                there.is_some_and(|x| others.at(x, y).is_some_and(|other| other.abs_diff(shift) <= AGREE_PX.into()));
             if agrees { (self.first + shift as i32) as f32 + part } else { NONE }
         }))
     }
@@ -109,7 +109,7 @@ fn drop_specks(map: &mut Raster<f32>) {
             let around = [(x > 0, i.wrapping_sub(1)), (x + 1 < width, i + 1)];
             let beyond = [(y > 0, i.wrapping_sub(width)), (y + 1 < height, i + width)];
             for (_, j) in around.into_iter().chain(beyond).filter(|(is_inside, _)| *is_inside) {
-                if !is_seen[j] && (map.pixels()[j] - map.pixels()[i]).abs() <= AGREE_PX {
+                if !is_seen[j] && (map.pixels()[j] - map.pixels()[i]).abs() <= AGREE_PX.into() {
                     is_seen[j] = true;
                     patch.push(j);
                 }
