@@ -177,9 +177,9 @@ fn closed(cover: f32) -> f32 {
     if cover < 0.8 { cover } else { at_most(cover + 0.015 * at_most((cover - 0.8) * 10.0, 1.0), 1.0) }
 }
 
-/// Covers a pixel of whose opening nearly sharp surfaces have left next to nothing. Where blur passes through the focal
-/// plane, sharp pixels give nothing to those beside them that are spread: up to a tenth would be missing, and a bright
-/// background show through as lines.
+/// Covers a pixel of whose opening its own surface, or all nearly sharp ones, have left next to nothing. Where blur has a
+/// ridge, each side spreads away from it; where it passes through the focal plane, sharp pixels give nothing to those
+/// beside them that are spread. Up to a tenth would be missing, and a bright background show through.
 #[inline]
 pub(super) fn close(pixel: &mut [f32; 4], open: f32) {
     let left = pixel[3];

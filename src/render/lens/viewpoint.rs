@@ -76,10 +76,7 @@ impl Front {
         let light = Light::of(&scene.photo, scene.space).reduced(size, cancel)?;
         let surfaces = Surfaces::new(scene.disparity.clone(), &light, cancel)?;
         let behind = Behind::new(&surfaces, &light, scene.behind.as_deref(), cancel)?;
-        let transfer = match scene.space {
-            Space::Own => Transfer::of_profile(scene.photo.metadata().icc.as_deref()),
-            Space::Srgb => Transfer::srgb(),
-        };
+        let transfer = scene.space.transfer(&scene.photo);
         let width = size[0] as usize;
         let reader = surfaces.reader(0, width, size);
         let mut depth = vec![0.0; width * size[1] as usize];

@@ -94,31 +94,41 @@ impl Pair {
 
 /// Takes patches away that are too small to be true.
 fn drop_specks(map: &mut Raster<f32>) {
-    let [width, height] = map.sides();
-    let mut is_seen = vec![false; width * height];
+    let mut is_seen: Vec<bool> = map.pixels().iter().map(|d| d.is_nan()).collect();
     for start in 0..is_seen.len() {
-        if is_seen[start] || map.pixels()[start].is_nan() {
+        if is_seen[start] {
             continue;
         }
-        is_seen[start] = true;
-        let mut patch = vec![start];
-        let mut next = 0;
-        while let Some(&i) = patch.get(next) {
-            next += 1;
-            let (x, y) = (i % width, i / width);
-            let around = [(x > 0, i.wrapping_sub(1)), (x + 1 < width, i + 1)];
-            let beyond = [(y > 0, i.wrapping_sub(width)), (y + 1 < height, i + width)];
-            for (_, j) in around.into_iter().chain(beyond).filter(|(is_inside, _)| *is_inside) {
-                if !is_seen[j] && (map.pixels()[j] - map.pixels()[i]).abs() <= AGREE_PX.into() {
-                    is_seen[j] = true;
-                    patch.push(j);
-                }
-            }
-        }
+        let patch = patch(map, start, &mut is_seen);
         if patch.len() < SPECK {
             patch.into_iter().for_each(|i| map.pixels_mut()[i] = NONE);
         }
     }
+}
+
+/// The pixels that a pixel leads to by neighbours whose shifts agree.
+fn patch(map: &Raster<f32>, start: usize, is_seen: &mut [bool]) -> Vec<usize> {
+    let mut found = vec![start];
+    is_seen[start] = true;
+    let mut next = 0;
+    while let Some(&i) = found.get(next) {
+        next += 1;
+        for j in beside(map.sides(), i) {
+            if !is_seen[j] && (map.pixels()[j] - map.pixels()[i]).abs() <= AGREE_PX.into() {
+                is_seen[j] = true;
+                found.push(j);
+            }
+        }
+    }
+    found
+}
+
+/// The four neighbours of a pixel.
+fn beside([width, height]: [usize; 2], i: usize) -> impl Iterator<Item = usize> {
+    let (x, y) = (i % width, i / width);
+    let columns = [x.checked_sub(1), Some(x + 1).filter(|x| *x < width)].into_iter().flatten();
+    let rows = [y.checked_sub(1), Some(y + 1).filter(|y| *y < height)].into_iter().flatten();
+    columns.map(move |x| y * width + x).chain(rows.map(move |y| y * width + x))
 }
 
 /// What is not known is the second farthest of what is known around it in eight directions: the far side's, as the near side
