@@ -7,6 +7,7 @@
 //! * `pixel`: both together, for each pixel.
 //! * [`kernel`]: the shape of a blurred point.
 //! * `rays`: light on its way, by pixels, or by blocks where it is spread widely.
+//! * `rim`: how much of the lens sees a nearly sharp surface beside its edge.
 //! * `spread`: one slice of it over a tile, put behind what is nearer.
 //! * `tile`: from the near side to the far one, a tile at a time, so that memory does not follow the photo's size.
 //! * `tiles`: all tiles of a region, on all cores.
@@ -28,6 +29,7 @@ mod peaking;
 mod pixel;
 mod rays;
 mod reveal;
+mod rim;
 mod sample;
 mod spread;
 mod stack;

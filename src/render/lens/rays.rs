@@ -20,7 +20,9 @@ pub(super) const SHARP_PX: f32 = 0.3;
 /// Slices on either side of the focal plane; the last one holds all that is blurred more.
 const MIDDLE: i32 = 28;
 
-/// Slices of what is nearly sharp, blurred by less than 5.7 px: the first, and the one after the last.
+/// What is nearly sharp is blurred by less.
+pub(super) const NEARLY_SHARP_PX: f32 = 5.7;
+/// Slices of what is nearly sharp: the first, and the one after the last.
 pub(super) const NEARLY_SHARP: [usize; 2] = [(MIDDLE - 6) as usize, (MIDDLE + 7) as usize];
 
 /// Position of a blur diameter among the slices: one a pixel at first, then 30 % apart.
@@ -29,6 +31,16 @@ pub(super) fn slice_of(blur: f32) -> f32 {
     let size = blur.abs();
     let at = if size <= 2.0 { size } else { 2.0 + log2(size / 2.0) / LOG2_STEP };
     at.min(MIDDLE as f32 - 1.0).copysign(blur)
+}
+
+/// The slice before which a surface of this blur is put, with those beside it that it shares its light with.
+fn after(blur: f32) -> i32 {
+    slice_of(blur).floor() as i32 + MIDDLE - 2
+}
+
+/// Whether all that is put just before a slice is nearly sharp.
+pub(super) fn is_after_nearly_sharp(slice: usize) -> bool {
+    (after(-NEARLY_SHARP_PX) as usize..=after(NEARLY_SHARP_PX) as usize).contains(&slice)
 }
 
 /// Slices are 30 % apart: log₂ 1.3.
@@ -81,6 +93,8 @@ pub(super) struct Slices {
     pub(super) rays: Vec<[Vec<Ray>; LEVELS]>,
     /// The tile's pixels whose own surface is put before the slice is: columns and rows, the first and the one after the last.
     seen: Vec<Vec<[[u16; 2]; 2]>>,
+    /// Pixels of the tile of which their own surface and nearer ones leave no more than a part open, once they are put.
+    rims: Vec<Vec<([u16; 2], f32)>>,
     at: [i32; 2],
     size: [i32; 2],
     /// Part of the diameter that is the finest in the lens's shape (see [`Kernels::finest`](super::kernel::Kernels::finest)).
@@ -92,7 +106,7 @@ impl Default for Slices {
         let empty = || std::array::from_fn(|_| Vec::new());
         let count = 2 * MIDDLE as usize + 1;
         let rays = std::iter::repeat_with(empty).take(count).collect();
-        Self { rays, seen: vec![Vec::new(); count], at: [0; 2], size: [0; 2], finest: 1.0 }
+        Self { rays, seen: vec![Vec::new(); count], rims: vec![Vec::new(); count], at: [0; 2], size: [0; 2], finest: 1.0 }
     }
 }
 
@@ -101,6 +115,7 @@ impl Slices {
     pub(super) fn begin(&mut self, at: [i32; 2], size: [i32; 2], finest: f32) {
         self.rays.iter_mut().flatten().for_each(Vec::clear);
         self.seen.iter_mut().for_each(Vec::clear);
+        self.rims.iter_mut().for_each(Vec::clear);
         (self.at, self.size, self.finest) = (at, size, finest);
     }
 
@@ -118,10 +133,23 @@ impl Slices {
     #[inline]
     fn see(&mut self, place: [i32; 2], side: i32, blur: f32) {
         let part = [0, 1].map(|a| [0, side].map(|end| (place[a] + end - self.at[a]).clamp(0, self.size[a]) as u16));
-        let slice = slice_of(blur).floor() as i32 + MIDDLE - 2;
+        let slice = after(blur);
         if slice >= 0 && part.iter().all(|[first, end]| first < end) {
             self.seen[slice as usize].push(part);
         }
+    }
+
+    /// Notes how much of a pixel of the tile its own surface leaves open at most.
+    pub(super) fn see_rim(&mut self, place: [i32; 2], blur: f32, open: f32) {
+        let at = [0, 1].map(|a| (place[a] - self.at[a]) as u16);
+        if let Ok(slice) = usize::try_from(after(blur)) {
+            self.rims[slice].push((at, open));
+        }
+    }
+
+    /// Pixels of which no more than a part is open before a slice is put.
+    pub(super) fn rims_before(&self, slice: usize) -> &[([u16; 2], f32)] {
+        &self.rims[slice]
     }
 
     /// The same of a block, `[y, x]` of [`BLOCK`]² blurs; not a number where not all of the lens sees a pixel's surface.

@@ -190,6 +190,16 @@ pub(super) fn close(pixel: &mut [f32; 4], open: f32) {
     }
 }
 
+/// Covers a pixel up to the part that may be left open.
+#[inline]
+pub(super) fn narrow(pixel: &mut [f32; 4], open: f32) {
+    let left = pixel[3];
+    if left > open && left < 1.0 {
+        let more = (1.0 - open) / (1.0 - left);
+        *pixel = [pixel[0] * more, pixel[1] * more, pixel[2] * more, open];
+    }
+}
+
 /// Up to the first part of the opening nothing is left, and from the second on it stays.
 const LOOSE: [f32; 2] = [0.05, 0.2];
 

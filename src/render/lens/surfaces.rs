@@ -186,9 +186,10 @@ impl Reader<'_> {
         let foreign = edge * cell[FOREIGN];
         let ([near_rgb, far_rgb], part) = near_part(cell, color);
         let cover = cover.max(foreign * ramp(FRINGE[0], FRINGE[1], part) * part.min(1.0));
-        // Well on one side the map's own value stands; between the sides it would be an invented depth.
-        let near = near.mix(disparity, ramp(0.88, 0.99, by_map));
-        let far = disparity.mix(far, ramp(0.01, 0.12, by_map));
+        // Well on one side the map's own value stands; between the sides it would be an invented depth, and near them a surface
+        // would dip in a line along its edge.
+        let near = near.mix(disparity, ramp(0.97, 0.995, by_map));
+        let far = disparity.mix(far, ramp(0.005, 0.03, by_map));
         Seen {
             near_px: disparity.mix(near, edge),
             far_px: disparity.mix(far, edge),

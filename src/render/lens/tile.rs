@@ -13,8 +13,9 @@ use super::behind::Hidden;
 use super::bounds::reaches;
 use super::kernel::Kernels;
 use super::pixel::{Reader, Row};
-use super::rays::{BLOCK, NEARLY_SHARP, Piece, SHARP_PX, Slices, slice_of};
-use super::spread::{Spread, close};
+use super::rays::{BLOCK, NEARLY_SHARP, Piece, SHARP_PX, Slices, is_after_nearly_sharp, slice_of};
+use super::rim::Rims;
+use super::spread::{Spread, close, narrow};
 use super::surfaces::{MIXTURE, Seen};
 use crate::field::{Lens, pixels, ramp, sides};
 
@@ -52,6 +53,7 @@ impl Optics<'_> {
 #[derive(Default)]
 pub(super) struct Bench {
     slices: Slices,
+    rims: Rims,
     spread: Spread,
     front: Vec<[f32; 4]>,
     /// What is left to cover before anything nearly sharp is put.
@@ -125,7 +127,15 @@ impl Bench {
             for [columns, rows] in self.slices.seen_before(slice) {
                 let [[first, end], rows] = [columns, rows].map(|part| part.map(usize::from));
                 let lines = self.front.chunks_exact_mut(self.width).take(rows[1]).skip(rows[0]);
-                lines.flat_map(|line| &mut line[first..end]).for_each(|pixel| close(pixel, 1.0));
+                let pixels = lines.flat_map(|line| &mut line[first..end]);
+                if is_after_nearly_sharp(slice) {
+                    pixels.for_each(|pixel| narrow(pixel, 0.0));
+                } else {
+                    pixels.for_each(|pixel| close(pixel, 1.0));
+                }
+            }
+            for &([x, y], open) in self.slices.rims_before(slice) {
+                narrow(&mut self.front[usize::from(y) * self.width + usize::from(x)], open);
             }
             if self.slices.is_lit(slice) {
                 self.spread.put_behind(&self.slices.rays[slice], optics, &mut self.front);
@@ -141,6 +151,7 @@ impl Bench {
         let count = ((to[0] - from[0]) as usize).next_multiple_of(BLOCK);
         let [at, size] = [region.at, region.size].map(|pair| pair.map(|v| v as i32));
         self.slices.begin(at, size, optics.kernels.finest());
+        self.rims.begin(region);
         let reader = picture.reader(from[0], count);
         let mut widest = vec![None; count / BLOCK];
         for top in (from[1]..to[1]).step_by(BLOCK) {
@@ -169,10 +180,11 @@ impl Bench {
                 if picture.bounds.is_plain(place) {
                     block.send_plain(&mut self.slices);
                 } else {
-                    block.send(&mut self.slices);
+                    block.send(&mut self.slices, &mut self.rims);
                 }
             }
         }
+        self.rims.open().for_each(|(place, blur, open)| self.slices.see_rim(place, blur, open));
     }
 }
 
@@ -224,15 +236,19 @@ impl Block<'_> {
     }
 
     /// Sends the light of any block.
-    fn send(self, slices: &mut Slices) {
+    fn send(self, slices: &mut Slices, rims: &mut Rims) {
         let mut before = [Piece::default(); BLOCK * BLOCK];
         let mut after = [Piece::default(); BLOCK * BLOCK];
         let mut blurs = [f32::NAN; BLOCK * BLOCK];
         let mut any_behind = false;
         self.colors.each(|[x, y], color| {
             let (seen, hidden) = self.reader.at(&self.rows[y], self.left + x, &color);
-            if let Some(blur) = whole(self.optics, self.at([x, y]), &seen, hidden.as_ref()) {
-                blurs[y * BLOCK + x] = blur;
+            let place = self.at([x, y]);
+            rims.cover(place, seen.cover, self.optics.blur(seen.near_px, place[0], place[1]));
+            match whole(self.optics, place, &seen, hidden.as_ref()) {
+                Ok(blur) => blurs[y * BLOCK + x] = blur,
+                Err(Some(blur)) => rims.wait(place, blur),
+                Err(None) => {}
             }
             let [first, second] = pieces(self.optics, self.at([x, y]), color, seen, hidden);
             any_behind |= !second.is_empty();
@@ -248,14 +264,16 @@ impl Block<'_> {
 }
 
 /// How much the surface is blurred that a pixel sees, where all of the lens sees it there: not within a rim, nor between two
-/// sides.
+/// sides. There the error is how much the near side is blurred.
 #[inline]
-fn whole(optics: &Optics, [x, y]: [i32; 2], seen: &Seen, hidden: Option<&Hidden>) -> Option<f32> {
-    if seen.cover > MIXTURE[0] && seen.cover < MIXTURE[1] {
-        return None;
+fn whole(optics: &Optics, [x, y]: [i32; 2], seen: &Seen, hidden: Option<&Hidden>) -> Result<f32, Option<f32>> {
+    if seen.cover <= MIXTURE[0] || seen.cover >= MIXTURE[1] {
+        let blur = optics.blur(seen.disparity_px(), x, y);
+        if hidden.is_none_or(|hidden| hidden.distance_px > blur.abs() / 2.0 + 1.5) {
+            return Ok(blur);
+        }
     }
-    let blur = optics.blur(seen.disparity_px(), x, y);
-    hidden.is_none_or(|hidden| hidden.distance_px > blur.abs() / 2.0 + 1.5).then_some(blur)
+    Err((seen.cover > MIXTURE[0]).then(|| optics.blur(seen.near_px, x, y)))
 }
 
 /// Light of one pixel: from its near side, and from what goes on behind that.

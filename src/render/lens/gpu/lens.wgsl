@@ -33,7 +33,9 @@ const UNIT: f32 = 16777216.0;
 const MIDDLE: i32 = 28;
 const SHARP_PX: f32 = 0.3;
 const NEARLY_SHARP: i32 = 6;
-const NEVER: i32 = -1000;
+const NEVER: f32 = -1000.0;
+const NEARLY_SHARP_PX: f32 = 5.7;
+const SLACK: f32 = 0.03;
 const LOOSE = vec2f(0.05, 0.2);
 const DARK: f32 = 0.004;
 const FAR_SPREAD: f32 = 1.5;
@@ -58,8 +60,9 @@ const ROW_LANES: u32 = 64u;
 @group(0) @binding(11) var<storage, read_write> front: array<vec4f>;
 // What is left to cover before anything nearly sharp is put.
 @group(0) @binding(12) var<storage, read_write> open: array<f32>;
-// The slice of each gathered pixel before which its own surface is put.
-@group(0) @binding(13) var<storage, read_write> seen: array<i32>;
+// The slice of each gathered pixel before which its own surface is put, and the most that may then be left open; below 0
+// all of the lens sees it, spread widely.
+@group(0) @binding(13) var<storage, read_write> seen: array<vec2f>;
 
 @group(1) @binding(0) var<uniform> slice: vec4i;
 
@@ -96,14 +99,38 @@ fn store(i: u32, near: vec4f, near_blur: f32, far: vec4f, far_blur: f32) {
     blurs[2u * i + 1u] = far_blur;
 }
 
-fn seen_before(i: u32, pixel: vec2i) -> i32 {
+// The part of a disc around a gathered pixel that is not its own surface; never less than of the pixel itself.
+fn beyond(at: vec2i, blur: f32) -> f32 {
+    let radius = abs(blur) / 2.0;
+    var all = 0.0;
+    var beyond = 0.0;
+    let reach = i32(ceil(radius + 0.5)) - 1;
+    for (var dy = -reach; dy <= reach; dy++) {
+        for (var dx = -reach; dx <= reach; dx++) {
+            let weight = clamp(radius + 0.5 - length(vec2f(f32(dx), f32(dy))), 0.0, 1.0);
+            let place = clamp(at + vec2i(dx, dy), vec2i(0), vec2i(params.gather_size) - 1);
+            let i = u32(place.y) * params.gather_size.x + u32(place.x);
+            let farther = blur - blur_of(colors[i].w, params.gather_at + place);
+            all += weight;
+            beyond += weight * (1.0 - sides[i].y * (1.0 - ramp(2.5, 5.5, farther)));
+        }
+    }
+    let own = sides[u32(at.y) * params.gather_size.x + u32(at.x)].y;
+    return max(beyond / max(all, 1e-6), 1.0 - own);
+}
+
+fn seen_before(i: u32, id: vec2u, pixel: vec2i) -> vec2f {
     let cover = sides[i].y;
     let blur = blur_of(select(colors[i].w, sides[i].x, cover <= 0.01), pixel);
     let is_rim = sides[i].w > 0.0 && nears[i].w <= abs(blur) / 2.0 + 1.5;
-    if is_rim || (cover > 0.01 && cover < 0.99) {
-        return NEVER;
+    let slice = floor(slice_of(blur)) - 2.0;
+    if !is_rim && (cover <= 0.01 || cover >= 0.99) {
+        return vec2f(slice, select(-1.0, 0.0, abs(blur) < NEARLY_SHARP_PX));
     }
-    return i32(floor(slice_of(blur))) - 2;
+    if cover < 0.99 || abs(blur) >= NEARLY_SHARP_PX {
+        return vec2f(NEVER, 0.0);
+    }
+    return vec2f(slice, beyond(vec2i(id), blur) + SLACK);
 }
 
 // Light of each pixel: from its near side, and from what goes on behind that.
@@ -114,7 +141,7 @@ fn pieces(@builtin(global_invocation_id) id: vec3u) {
     }
     let i = id.y * params.gather_size.x + id.x;
     let pixel = params.gather_at + vec2i(id.xy);
-    seen[i] = seen_before(i, pixel);
+    seen[i] = seen_before(i, id.xy, pixel);
     let color = colors[i].rgb;
     var cover = sides[i].y;
     let share = sides[i].w;
@@ -274,7 +301,14 @@ fn close(i: u32, opened: f32) {
     }
 }
 
-fn put_behind(i: u32, spread_light: vec4f, own: i32) {
+fn narrow(i: u32, opened: f32) {
+    let left = front[i].w;
+    if left > opened && left < 1.0 {
+        front[i] = vec4f(front[i].rgb * ((1.0 - opened) / (1.0 - left)), opened);
+    }
+}
+
+fn put_behind(i: u32, spread_light: vec4f, own: vec2f) {
     let light = spread_light + still[i];
     still[i] = vec4f(0.0);
     if slice.x == NEARLY_SHARP {
@@ -282,8 +316,12 @@ fn put_behind(i: u32, spread_light: vec4f, own: i32) {
     } else if slice.x == -NEARLY_SHARP - 1 {
         close(i, open[i]);
     }
-    if slice.x == own {
-        close(i, 1.0);
+    if f32(slice.x) == own.x {
+        if own.y < 0.0 {
+            close(i, 1.0);
+        } else {
+            narrow(i, own.y);
+        }
     }
     if light.w <= 1e-5 {
         return;

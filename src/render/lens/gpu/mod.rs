@@ -153,7 +153,7 @@ impl LensGpu {
         });
         let (kernels, spans) = kernel_table(&optics.kernels, kept.widest(optics));
         let [kernels, spans] = [bytemuck::cast_slice(&kernels), bytemuck::cast_slice(&spans)].map(|b| self.storage(b));
-        let [lights, blurs, seen] = [32 * count, 8 * count, 4 * count].map(|bytes| self.empty(bytes));
+        let [lights, blurs, seen] = [32 * count, 8 * count, 8 * count].map(|bytes| self.empty(bytes));
         let pixels = u64::from(width) * u64::from(height);
         let steps = self.empty(16 * u64::from(width + 2) * u64::from(height));
         let still = self.empty(16 * pixels);

@@ -113,13 +113,31 @@ float sliceOf(float blur) {
   float b = abs(blur), at = b <= 2.0 ? b : 2.0 + log(b / 2.0) / log(1.3);
   return blur < 0.0 ? -at : at;
 }
-// The slice before which a pixel's own surface is put, where all of the lens sees that: not within a rim.
-float ownBefore(float cover, bool known, float distance_, float blur) {
-  bool isRim = known && distance_ <= abs(blur) / 2.0 + 1.5;
-  return isRim || (cover > 0.01 && cover < 0.99) ? NEVER : floor(sliceOf(blur)) - 2.0;
+// The part of a disc that is not the near side's; never less than of the pixel itself.
+float beyond(ivec2 at, float blur) {
+  float radius = abs(blur) / 2.0;
+  int reach = int(ceil(radius + 0.5)) - 1;
+  ivec2 last = textureSize(sides, 0) - 1;
+  float all = 0.0, part = 0.0;
+  for (int y = -reach; y <= reach; y++) for (int x = -reach; x <= reach; x++) {
+    float w = clamp(radius + 0.5 - length(vec2(x, y)), 0.0, 1.0);
+    vec3 s = texelFetch(sides, clamp(at + ivec2(x, y), ivec2(0), last), 0).rgb;
+    all += w;
+    part += w * (1.0 - (1.0 - s.b) * (1.0 - ramp(2.5, 5.5, blur - blurOf(s.r))));
+  }
+  return max(part / max(all, 1e-6), texelFetch(sides, at, 0).b);
 }
-void put(vec4 n, float nBlur, vec4 f, float fBlur, float own) {
-  near = n; far = f; slices = vec4(sliceOf(nBlur), sliceOf(fBlur), own, 1.0);
+// The slice before which a pixel's own surface is put, and the most that may be left open then; 1 where all of the lens
+// sees it, spread widely.
+vec2 ownBefore(ivec2 at, float cover, bool known, float distance_, float blur) {
+  bool isRim = known && distance_ <= abs(blur) / 2.0 + 1.5;
+  float slice = floor(sliceOf(blur)) - 2.0;
+  if (!isRim && (cover <= 0.01 || cover >= 0.99)) return vec2(slice, abs(blur) < 5.7 ? 0.0 : 1.0);
+  if (cover < 0.99 || abs(blur) >= 5.7) return vec2(NEVER, 1.0);
+  return vec2(slice, min(beyond(at, blur) + 0.03, 0.99));
+}
+void put(vec4 n, float nBlur, vec4 f, float fBlur, vec2 own) {
+  near = n; far = f; slices = vec4(sliceOf(nBlur), sliceOf(fBlur), own);
 }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -129,7 +147,7 @@ void main() {
   float cover = 1.0 - s.b, share = back.a;
   bool known = share > 0.02;
   float farOwn = blurOf(s.r - s.g), n = blurOf(s.r), distance_ = (backAt.y * 255.0 - 1.0) * cells;
-  float own = ownBefore(cover, known, distance_, cover <= 0.01 ? farOwn : n);
+  vec2 own = ownBefore(at, cover, known, distance_, cover <= 0.01 ? farOwn : n);
   if (cover <= 0.01) { put(vec4(recovered(color, farOwn), 1.0), farOwn, vec4(0.0), 0.0, own); return; }
   bool mixed = cover < 0.99;
   float f = mixed ? farOwn : blurOf(backAt.x);
@@ -168,15 +186,16 @@ uniform sampler2D light, front, slices;
 uniform vec2 size;
 uniform float radius, level, empty, slice;
 out vec4 result;
-// Covers a pixel of which its own surface has left next to nothing.
-vec4 closed(vec4 before) {
-  if (before.a <= 0.0 || before.a >= 0.2) return before;
-  float kept = before.a * smoothstep(0.05, 0.2, before.a);
+// Covers a pixel up to what may be left open, or where its own surface has left next to nothing.
+vec4 closed(vec4 before, float open) {
+  if (before.a <= 0.0 || before.a >= (open < 1.0 ? 1.0 : 0.2)) return before;
+  float kept = open < 1.0 ? min(before.a, open) : before.a * smoothstep(0.05, 0.2, before.a);
   return vec4(before.rgb * (1.0 - kept) / (1.0 - before.a), kept);
 }
 void main() {
   vec4 before = texelFetch(front, ivec2(gl_FragCoord.xy), 0), sum = vec4(0.0);
-  if (texelFetch(slices, ivec2(gl_FragCoord.xy), 0).b == slice) before = closed(before);
+  vec2 own = texelFetch(slices, ivec2(gl_FragCoord.xy), 0).ba;
+  if (own.x == slice) before = closed(before, own.y);
   vec2 uv = gl_FragCoord.xy / size;
   result = before;
   if (before.a <= 0.0 || textureLod(light, uv, empty).a <= 0.0) return;
