@@ -64,8 +64,11 @@ def test_what_progress_raises_stops_the_work():
 
 
 def test_ctrl_c_stops_the_work_and_the_next_goes_on():
+    # Who runs the tests in the background has Ctrl+C ignored, and children inherit that.
     script = f"""
+import signal
 import plenoscope
+signal.signal(signal.SIGINT, signal.default_int_handler)
 try:
     plenoscope.synthesize(plenoscope.sample(), progress=lambda *_: print("works", flush=True), **{LONG!r})
     print("done")

@@ -106,7 +106,14 @@ impl Default for Slices {
         let empty = || std::array::from_fn(|_| Vec::new());
         let count = 2 * MIDDLE as usize + 1;
         let rays = std::iter::repeat_with(empty).take(count).collect();
-        Self { rays, seen: vec![Vec::new(); count], rims: vec![Vec::new(); count], at: [0; 2], size: [0; 2], finest: 1.0 }
+        Self {
+            rays,
+            seen: vec![Vec::new(); count],
+            rims: vec![Vec::new(); count],
+            at: [0; 2],
+            size: [0; 2],
+            finest: 1.0,
+        }
     }
 }
 

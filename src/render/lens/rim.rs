@@ -1,7 +1,7 @@
 //! How much of the lens sees a pixel's own surface beside an edge, where that surface is nearly sharp.
 //!
 //! Maps dip by a few per cent before an edge. Light that is blurred a little there is spread over its neighbours, and those,
-//! in focus, give none back: their own surface left open what no edge takes from it. So what may stay open is counted.
+//! in focus, give none back: it would leave open what no edge takes from it. So what may stay open is counted.
 
 use super::rays::NEARLY_SHARP_PX;
 use super::tile::Region;
@@ -12,7 +12,7 @@ const MARGIN: i32 = 3;
 /// What stays open though no edge takes it: kernels are discs of another grain than what is counted here.
 const SLACK: f32 = 0.03;
 
-/// A pixel's near side is farther than its neighbour's by so much blur where it is another surface, and where it is not.
+/// A neighbour's near side is another surface where it is farther by so much blur, and the same up to so much.
 const FARTHER_PX: [f32; 2] = [5.5, 2.5];
 
 /// The near side of a pixel.

@@ -184,9 +184,7 @@ fn closed(cover: f32) -> f32 {
 pub(super) fn close(pixel: &mut [f32; 4], open: f32) {
     let left = pixel[3];
     if left > 0.0 && left < LOOSE[1] * open {
-        let kept = left * ramp(LOOSE[0], LOOSE[1], left / open);
-        let more = (1.0 - kept) / (1.0 - left);
-        *pixel = [pixel[0] * more, pixel[1] * more, pixel[2] * more, kept];
+        narrow(pixel, left * ramp(LOOSE[0], LOOSE[1], left / open));
     }
 }
 

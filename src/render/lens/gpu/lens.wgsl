@@ -293,18 +293,17 @@ fn cover(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) l
     }
 }
 
-fn close(i: u32, opened: f32) {
-    let left = front[i].w;
-    if left > 0.0 && left < LOOSE.y * opened {
-        let kept = left * ramp(LOOSE.x, LOOSE.y, left / opened);
-        front[i] = vec4f(front[i].rgb * ((1.0 - kept) / (1.0 - left)), kept);
-    }
-}
-
 fn narrow(i: u32, opened: f32) {
     let left = front[i].w;
     if left > opened && left < 1.0 {
         front[i] = vec4f(front[i].rgb * ((1.0 - opened) / (1.0 - left)), opened);
+    }
+}
+
+fn close(i: u32, opened: f32) {
+    let left = front[i].w;
+    if left > 0.0 && left < LOOSE.y * opened {
+        narrow(i, left * ramp(LOOSE.x, LOOSE.y, left / opened));
     }
 }
 
