@@ -245,10 +245,10 @@ impl Block<'_> {
             let (seen, hidden) = self.reader.at(&self.rows[y], self.left + x, &color);
             let place = self.at([x, y]);
             rims.cover(place, seen.cover, self.optics.blur(seen.near_px, place[0], place[1]));
-            match whole(self.optics, place, &seen, hidden.as_ref()) {
-                Ok(blur) => blurs[y * BLOCK + x] = blur,
-                Err(Some(blur)) => rims.wait(place, blur),
-                Err(None) => {}
+            match sight(self.optics, place, &seen, hidden.as_ref()) {
+                Sight::Whole(blur) => blurs[y * BLOCK + x] = blur,
+                Sight::Rim(blur) => rims.wait(place, blur),
+                Sight::Far => {}
             }
             let [first, second] = pieces(self.optics, self.at([x, y]), color, seen, hidden);
             any_behind |= !second.is_empty();
@@ -263,17 +263,25 @@ impl Block<'_> {
     }
 }
 
-/// How much the surface is blurred that a pixel sees, where all of the lens sees it there: not within a rim, nor between two
-/// sides. There the error is how much the near side is blurred.
+/// How much of the lens sees a pixel's own surface, and how much that is blurred.
+enum Sight {
+    /// All of it.
+    Whole(f32),
+    /// A part: the near side within its rim, or between two sides.
+    Rim(f32),
+    /// A part, and it is the far side.
+    Far,
+}
+
 #[inline]
-fn whole(optics: &Optics, [x, y]: [i32; 2], seen: &Seen, hidden: Option<&Hidden>) -> Result<f32, Option<f32>> {
+fn sight(optics: &Optics, [x, y]: [i32; 2], seen: &Seen, hidden: Option<&Hidden>) -> Sight {
     if seen.cover <= MIXTURE[0] || seen.cover >= MIXTURE[1] {
         let blur = optics.blur(seen.disparity_px(), x, y);
         if hidden.is_none_or(|hidden| hidden.distance_px > blur.abs() / 2.0 + 1.5) {
-            return Ok(blur);
+            return Sight::Whole(blur);
         }
     }
-    Err((seen.cover > MIXTURE[0]).then(|| optics.blur(seen.near_px, x, y)))
+    if seen.cover > MIXTURE[0] { Sight::Rim(optics.blur(seen.near_px, x, y)) } else { Sight::Far }
 }
 
 /// Light of one pixel: from its near side, and from what goes on behind that.

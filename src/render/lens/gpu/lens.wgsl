@@ -127,7 +127,7 @@ fn seen_before(i: u32, id: vec2u, pixel: vec2i) -> vec2f {
     if !is_rim && (cover <= 0.01 || cover >= 0.99) {
         return vec2f(slice, select(-1.0, 0.0, abs(blur) < NEARLY_SHARP_PX));
     }
-    if cover < 0.99 || abs(blur) >= NEARLY_SHARP_PX {
+    if cover <= 0.01 || abs(blur) >= NEARLY_SHARP_PX {
         return vec2f(NEVER, 0.0);
     }
     return vec2f(slice, beyond(vec2i(id), blur) + SLACK);

@@ -133,7 +133,7 @@ vec2 ownBefore(ivec2 at, float cover, bool known, float distance_, float blur) {
   bool isRim = known && distance_ <= abs(blur) / 2.0 + 1.5;
   float slice = floor(sliceOf(blur)) - 2.0;
   if (!isRim && (cover <= 0.01 || cover >= 0.99)) return vec2(slice, abs(blur) < 5.7 ? 0.0 : 1.0);
-  if (cover < 0.99 || abs(blur) >= 5.7) return vec2(NEVER, 1.0);
+  if (cover <= 0.01 || abs(blur) >= 5.7) return vec2(NEVER, 1.0);
   return vec2(slice, min(beyond(at, blur) + 0.03, 0.99));
 }
 void put(vec4 n, float nBlur, vec4 f, float fBlur, vec2 own) {
