@@ -51,10 +51,10 @@ impl Rims {
         (x < self.size[0] && y < self.size[1]).then(|| y * self.size[0] + x)
     }
 
-    /// Notes how much of a pixel the near side covers, and how much it is blurred.
-    pub(super) fn cover(&mut self, place: [i32; 2], cover: f32, blur: f32) {
+    /// Notes how much of a pixel the near side covers, and how much it is blurred, which is asked for in the tile alone.
+    pub(super) fn cover(&mut self, place: [i32; 2], cover: f32, blur: impl FnOnce() -> f32) {
         if let Some(at) = self.index(place) {
-            self.near[at] = Near { cover, blur };
+            self.near[at] = Near { cover, blur: blur() };
         }
     }
 

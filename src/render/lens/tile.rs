@@ -244,7 +244,7 @@ impl Block<'_> {
         self.colors.each(|[x, y], color| {
             let (seen, hidden) = self.reader.at(&self.rows[y], self.left + x, &color);
             let place = self.at([x, y]);
-            rims.cover(place, seen.cover, self.optics.blur(seen.near_px, place[0], place[1]));
+            rims.cover(place, seen.cover, || self.optics.blur(seen.near_px, place[0], place[1]));
             match sight(self.optics, place, &seen, hidden.as_ref()) {
                 Sight::Whole(blur) => blurs[y * BLOCK + x] = blur,
                 Sight::Rim(blur) => rims.wait(place, blur),

@@ -36,6 +36,7 @@ const NEARLY_SHARP: i32 = 6;
 const NEVER: f32 = -1000.0;
 const NEARLY_SHARP_PX: f32 = 5.7;
 const SLACK: f32 = 0.03;
+const FARTHER_PX: vec2f = vec2f(2.5, 5.5);
 const LOOSE = vec2f(0.05, 0.2);
 const DARK: f32 = 0.004;
 const FAR_SPREAD: f32 = 1.5;
@@ -112,7 +113,7 @@ fn beyond(at: vec2i, blur: f32) -> f32 {
             let i = u32(place.y) * params.gather_size.x + u32(place.x);
             let farther = blur - blur_of(colors[i].w, params.gather_at + place);
             all += weight;
-            beyond += weight * (1.0 - sides[i].y * (1.0 - ramp(2.5, 5.5, farther)));
+            beyond += weight * (1.0 - sides[i].y * (1.0 - ramp(FARTHER_PX.x, FARTHER_PX.y, farther)));
         }
     }
     let own = sides[u32(at.y) * params.gather_size.x + u32(at.x)].y;
