@@ -45,6 +45,33 @@ struct Entry {
     data_offsets: [usize; 2],
 }
 
+/// A `.safetensors` file in memory.
+struct Arrays<'a> {
+    header: serde_json::Value,
+    data: &'a [u8],
+}
+
+impl<'a> Arrays<'a> {
+    fn of(bytes: &'a [u8]) -> Option<Self> {
+        let length = usize::try_from(u64::from_le_bytes(bytes.get(..8)?.try_into().ok()?)).ok()?;
+        let header = serde_json::from_slice(bytes.get(8..length.checked_add(8)?)?).ok()?;
+        Some(Self { header, data: bytes.get(8 + length..)? })
+    }
+
+    fn read(&self, name: &str) -> Option<Vec<f32>> {
+        let entry: Entry = serde_json::from_value(self.header.get(name)?.clone()).ok()?;
+        let raw = self.data.get(entry.data_offsets[0]..entry.data_offsets[1])?;
+        Some(match entry.dtype.as_str() {
+            "F32" => raw.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect(),
+            "BF16" => {
+                raw.chunks_exact(2).map(|b| f32::from_bits(u32::from(u16::from_le_bytes([b[0], b[1]])) << 16)).collect()
+            }
+            "F16" => raw.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f32()).collect(),
+            _ => return None,
+        })
+    }
+}
+
 /// How moments are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moments {
@@ -124,6 +151,27 @@ impl Checkpoint {
         Ok(checkpoint)
     }
 
+    /// Takes the encoder's weights from a file of others, which holds them under the same names.
+    ///
+    /// # Errors
+    /// A net without an encoder, a file that cannot be read, an array that it lacks.
+    pub fn take_encoder(&mut self, path: &Path) -> Result<(), TrainError> {
+        let failed = |source| TrainError::File { action: "read the encoder", source, path: path.to_owned() };
+        let bytes = std::fs::read(path).map_err(failed)?;
+        let refused = |why: String| TrainError::Encoder { why, path: path.to_owned() };
+        let arrays = Arrays::of(&bytes).ok_or_else(|| refused("its header is damaged".into()))?;
+        let mut own = self.weights.tensors.iter_mut().filter(|tensor| tensor.is_of_encoder()).peekable();
+        if own.peek().is_none() {
+            return Err(refused(format!("{} has no encoder to take it; --net context-lite has", self.arch.name())));
+        }
+        for tensor in own {
+            let values = arrays.read(&tensor.name);
+            let taken = values.and_then(|values| load_into(tensor, values));
+            taken.ok_or_else(|| refused(format!("its {} is missing or of another size", tensor.name)))?;
+        }
+        Ok(())
+    }
+
     fn encode(&self, moments: Moments) -> Vec<u8> {
         let (mut header, mut data) = (BTreeMap::new(), Vec::new());
         let mut put = |name: String, shape: &[usize], values: &[f32], dtype: &str| {
@@ -175,25 +223,11 @@ impl Checkpoint {
     }
 
     fn decode(bytes: &[u8]) -> Option<Self> {
-        let length = usize::try_from(u64::from_le_bytes(bytes.get(..8)?.try_into().ok()?)).ok()?;
-        let header: serde_json::Value = serde_json::from_slice(bytes.get(8..length.checked_add(8)?)?).ok()?;
-        let data = bytes.get(8 + length..)?;
-        let metadata = header.get("__metadata__")?;
+        let arrays = Arrays::of(bytes)?;
+        let metadata = arrays.header.get("__metadata__")?;
         let text = |key: &str| metadata.get(key)?.as_str();
         let arch: Arch = serde_json::from_value(metadata.get("arch")?.clone()).ok()?;
-        let read = |name: &str| -> Option<Vec<f32>> {
-            let entry: Entry = serde_json::from_value(header.get(name)?.clone()).ok()?;
-            let raw = data.get(entry.data_offsets[0]..entry.data_offsets[1])?;
-            Some(match entry.dtype.as_str() {
-                "F32" => raw.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect(),
-                "BF16" => raw
-                    .chunks_exact(2)
-                    .map(|b| f32::from_bits(u32::from(u16::from_le_bytes([b[0], b[1]])) << 16))
-                    .collect(),
-                "F16" => raw.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f32()).collect(),
-                _ => return None,
-            })
-        };
+        let read = |name: &str| arrays.read(name);
         let mut weights = Weights::random(&arch.graph(), 0);
         let mut adam = AdamW::new(&weights);
         let with_moments = text("moments") != Some("none");
@@ -264,6 +298,28 @@ mod tests {
             assert_eq!((same.arch, &same.weights), (Arch::Tiny, &small.weights), "{arch:?} holds no other net");
         }
         assert_eq!(larger.begin(Arch::Tiny, 4).arch, Arch::TinyDeep, "a net never shrinks");
+    }
+
+    #[test]
+    fn an_encoder_is_taken_from_a_file_of_others_and_nothing_else_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lite.safetensors");
+        let (theirs, own) = (Checkpoint::new(Arch::TinyLite, 3), Checkpoint::new(Arch::TinyLite, 4));
+        theirs.save(&path, Moments::Exact).unwrap();
+        let mut taken = own.clone();
+        taken.take_encoder(&path).unwrap();
+        for ((array, theirs), own) in
+            taken.weights.tensors.iter().zip(&theirs.weights.tensors).zip(&own.weights.tensors)
+        {
+            assert_eq!(array, if array.is_of_encoder() { theirs } else { own });
+        }
+        let refused = |mut net: Checkpoint, path: &Path| net.take_encoder(path).unwrap_err().to_string();
+        assert!(refused(Checkpoint::new(Arch::TinyDeep, 3), &path).contains("context-lite"));
+        Checkpoint::new(Arch::Tiny, 3).save(&path, Moments::Exact).unwrap();
+        assert!(refused(own.clone(), &path).contains("lite.stem.weight is missing"), "{}", refused(own.clone(), &path));
+        std::fs::write(&path, b"no arrays").unwrap();
+        assert!(refused(own.clone(), &path).contains("damaged"));
+        assert!(refused(own, &folder.path().join("none")).contains("read the encoder"));
     }
 
     #[test]

@@ -13,6 +13,9 @@ use crate::scenes::{MEASURED, ROOMS};
 /// Last learning rate, relative to the first, unless another is asked for.
 pub const LR_END: f32 = 0.02;
 
+/// An encoder's learning rate, relative to that of the net beside it: it knows more than a few thousand photos can teach.
+const ENCODER_LR: f32 = 0.1;
+
 /// What is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -108,6 +111,10 @@ fn measured() -> f32 {
 
 fn rooms() -> f32 {
     ROOMS
+}
+
+fn encoder_lr() -> f32 {
+    ENCODER_LR
 }
 
 /// A run of the trainer.
@@ -230,6 +237,14 @@ pub struct Config {
     /// Weights to start from (a checkpoint of the same net)
     #[arg(long)]
     pub init: Option<PathBuf>,
+    /// Weights of the encoder of `context-lite`, as `scripts/encoder.py` writes them, for a run that begins from a net without one
+    #[arg(long, value_name = "FILE")]
+    #[serde(default)]
+    pub encoder: Option<PathBuf>,
+    /// Learning rate of an encoder, relative to --lr
+    #[arg(long, default_value_t = ENCODER_LR, value_parser = parse_part)]
+    #[serde(default = "encoder_lr")]
+    pub encoder_lr: f32,
     /// Start all views' maps from the reference view's
     #[arg(long)]
     pub tie: bool,

@@ -51,6 +51,14 @@ pub enum TrainError {
         /// The file.
         path: PathBuf,
     },
+    /// An encoder's file that does not fit.
+    #[error("cannot take the encoder: {why}: {}", path.display())]
+    Encoder {
+        /// What does not fit.
+        why: String,
+        /// The file.
+        path: PathBuf,
+    },
     /// A checkpoint that is no checkpoint.
     #[error("not a checkpoint: {why}: use a file that this trainer saved: {}", path.display())]
     Checkpoint {

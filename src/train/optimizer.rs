@@ -24,6 +24,8 @@ pub struct AdamW {
 pub struct Step {
     /// Learning rate.
     pub lr: f32,
+    /// That of an encoder against it.
+    pub encoder: f32,
     /// Decoupled decay of convolution weights.
     pub weight_decay: f32,
     /// Largest norm of the whole gradient; 0 = no limit.
@@ -52,7 +54,8 @@ impl AdamW {
         let (c1, c2) = (correct(BETA.0), correct(BETA.1));
         for (at, gradient) in gradients {
             let array = &mut weights.tensors[*at];
-            let decay = if array.shape.len() > 1 { step.lr * step.weight_decay } else { 0.0 };
+            let lr = if array.is_of_encoder() { step.encoder * step.lr } else { step.lr };
+            let decay = if array.shape.len() > 1 { lr * step.weight_decay } else { 0.0 };
             let arrays = (
                 array.values.par_iter_mut(),
                 gradient,
@@ -63,7 +66,7 @@ impl AdamW {
                 let g = g * scale;
                 *m += (1.0 - BETA.0) * (g - *m);
                 *v += (1.0 - BETA.1) * (g * g - *v);
-                *w -= decay * *w + step.lr * (*m / c1) / ((*v / c2).sqrt() + EPSILON);
+                *w -= decay * *w + lr * (*m / c1) / ((*v / c2).sqrt() + EPSILON);
             });
         }
         norm
@@ -77,11 +80,15 @@ mod tests {
 
     #[test]
     fn the_first_step_has_the_length_of_the_learning_rate() {
-        let array = Tensor32 { name: "a".into(), shape: vec![2], values: vec![1.0, 1.0], trained: true };
-        let mut weights = Weights { tensors: vec![array] };
+        let array = |name: &str| Tensor32 { name: name.into(), shape: vec![2], values: vec![1.0, 1.0], trained: true };
+        let mut weights = Weights { tensors: vec![array("a"), array("lite.stem.beta")] };
         let mut adam = AdamW::new(&weights);
-        let norm = adam.step(&mut weights, &[(0, vec![3.0, -4.0])], Step { lr: 0.1, weight_decay: 0.5, clip: 1.0 });
-        assert!((norm - 5.0).abs() < 1e-6);
-        assert!((weights.tensors[0].values[0] - 0.9).abs() < 1e-5 && (weights.tensors[0].values[1] - 1.1).abs() < 1e-5);
+        let gradients = [(0, vec![3.0, -4.0]), (1, vec![0.0, 12.0])];
+        let step = Step { lr: 0.1, encoder: 0.5, weight_decay: 0.5, clip: 1.0 };
+        let norm = adam.step(&mut weights, &gradients, step);
+        assert!((norm - 13.0).abs() < 1e-6);
+        let [own, encoder] = [0, 1].map(|at| weights.tensors[at].values.clone());
+        assert!((own[0] - 0.9).abs() < 1e-5 && (own[1] - 1.1).abs() < 1e-5);
+        assert!(encoder[0] == 1.0 && (encoder[1] - 0.95).abs() < 1e-5, "an encoder goes half as far");
     }
 }

@@ -70,6 +70,9 @@ impl Nets {
                 if config.tie {
                     net.weights.tie_views();
                 }
+                if let Some(path) = &config.encoder {
+                    net.take_encoder(path)?;
+                }
                 Ok(Self { first: Some(net), second: None })
             }
             Stage::Occlusion => {

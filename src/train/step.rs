@@ -68,7 +68,7 @@ pub(crate) fn update(
 ) -> f32 {
     let lr = config.learning_rate(net.progress.step, done);
     net.weights.follow(statistics, config.momentum);
-    let step = Step { lr, weight_decay: config.weight_decay, clip: config.clip };
+    let step = Step { lr, encoder: config.encoder_lr, weight_decay: config.weight_decay, clip: config.clip };
     let norm = net.adam.step(&mut net.weights, gradients, step);
     net.follow(config.average);
     norm

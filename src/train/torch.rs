@@ -6,6 +6,7 @@ use tch::{Cuda, Device, Kind, TchError, Tensor};
 
 use crate::TrainError;
 use crate::nets::{ByArray, Conv, End, Graph, NORM_EPSILON, Node, Statistics, Tensor32, Weights};
+use crate::ops::Patch;
 
 /// A forward pass that waits for the gradient of what it said.
 pub struct Pass<'a> {
@@ -83,7 +84,10 @@ impl<'a> Pass<'a> {
                         let shape = [factors.len() / conv.outputs, conv.outputs, 1, 1];
                         y = on_device(&factors, &shape, self.device).and_then(|f| y.f_mul(&f)).map_err(failed)?;
                     }
-                    if conv.added { y.f_add(&done[*from]).map_err(failed)? } else { y }
+                    match conv.added {
+                        Some(to) => y.f_add(&done[to]).map_err(failed)?,
+                        None => y,
+                    }
                 }
                 Node::Pool(from) => {
                     done[*from].f_avg_pool2d([2, 2], [2, 2], [0, 0], false, true, None::<i64>).map_err(failed)?
@@ -110,6 +114,12 @@ impl<'a> Pass<'a> {
                         .f_mul_scalar(scale)
                 };
                 said().map_err(failed)
+            }
+            End::Settled { clamped } => {
+                let [gamma, beta] = [self.leaf(conv, "gamma")?, self.leaf(conv, "beta")?];
+                let [mean, var] = [self.array(conv, "mean")?, self.array(conv, "var")?];
+                let how = Patch { form: conv.form, dilation: conv.dilation, clamped };
+                settled_conv(x, &weight, [gamma, beta, mean, var], how).map_err(failed)
             }
             End::NormElu => {
                 let [gamma, beta] = [self.leaf(conv, "gamma")?, self.leaf(conv, "beta")?];
@@ -199,6 +209,20 @@ fn padded_conv(x: &Tensor, weight: &Tensor, bias: Option<&Tensor>, dilation: usi
     x.f_replication_pad2d([d, d, d, d])?.f_conv2d(weight, bias, [1, 1], [0, 0], [d, d], 1)
 }
 
+/// A zero-padded convolution of settled normalisation.
+fn settled_conv(x: &Tensor, weight: &Tensor, norm: [Tensor; 4], how: Patch) -> Result<Tensor, TchError> {
+    let [gamma, beta, mean, var] = norm;
+    let (outputs, _, side, _) = weight.size4()?;
+    let [before, after] = how.margins(side as usize).map(|n| n as i64);
+    let padded = x.f_constant_pad_nd([before, after, before, after])?;
+    let groups = if how.each() { outputs } else { 1 };
+    let (stride, dilation) = (how.stride() as i64, how.dilation as i64);
+    let z = padded.f_conv2d(weight, None::<&Tensor>, [stride; 2], [0, 0], [dilation; 2], groups)?;
+    let (mean, var, epsilon) = (Some(&mean), Some(&var), f64::from(NORM_EPSILON));
+    let y = z.f_batch_norm(Some(&gamma), Some(&beta), mean, var, false, 0.0, epsilon, true)?;
+    if how.clamped { y.f_clamp(0.0, 6.0) } else { Ok(y) }
+}
+
 /// `low` at twice its size (nearest pixel), then `skip`.
 fn up_concat(low: &Tensor, skip: &Tensor) -> Result<Tensor, TchError> {
     let (_, _, height, width) = skip.size4()?;
@@ -220,7 +244,7 @@ mod tests {
             of(&mut a.iter().zip(b).map(|(a, b)| a - b)) / of(&mut a.iter().copied()).max(1e-12)
         };
         let views = [3, REFERENCE];
-        for arch in [Arch::Tiny, Arch::TinyDeep, Arch::AppearanceFlow] {
+        for arch in [Arch::Tiny, Arch::TinyDeep, Arch::TinyLite, Arch::AppearanceFlow] {
             let graph = arch.graph();
             let mut weights = Weights::random(&graph, 3);
             for gamma in weights.tensors.iter_mut().filter(|t| t.name.ends_with("gamma")) {

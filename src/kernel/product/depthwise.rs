@@ -4,6 +4,7 @@ use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::patches::Patches;
+use super::room;
 use crate::job::Cancelled;
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::padded::SendPtr;
@@ -86,6 +87,11 @@ impl Places {
 }
 
 impl DepthWise<'_> {
+    /// Writes `[channels, rows, columns]` to an array, to the end.
+    pub fn onto(&self, x: &[f32], out: &mut [f32]) {
+        self.run(x, room(out), None).expect("nobody can stop it");
+    }
+
     /// Writes `[channels, rows, columns]`.
     ///
     /// # Errors

@@ -18,5 +18,13 @@ pub use panels::Panels;
 pub use patches::Patches;
 pub use project::{Columns, Project};
 
+use std::mem::MaybeUninit;
+
+/// An array as a place for results; nothing but values is written there.
+fn room(out: &mut [f32]) -> &mut [MaybeUninit<f32>] {
+    // SAFETY: the same memory, and the products write whole values only, so that all stays initialised.
+    unsafe { std::slice::from_raw_parts_mut(out.as_mut_ptr().cast(), out.len()) }
+}
+
 #[cfg(test)]
 mod tests;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::patches::Patches;
+use super::room;
 use super::tile::{Block, Finish, VECTORS, aligned, panel_step};
 use crate::job::Cancelled;
 use crate::kernel::ending::Limits;
@@ -43,6 +44,11 @@ pub enum Columns<'a> {
 const MOST_PACKED: usize = 96 << 10;
 
 impl Project<'_> {
+    /// Writes `[channels, pixels]` to an array, to the end.
+    pub fn onto(&self, x: Columns, summand: Option<&[f32]>, out: &mut [f32]) {
+        self.run(x, summand, room(out), None).expect("nobody can stop it");
+    }
+
     /// Writes `[channels, pixels]`; `summand` of the same shape is added at the end.
     ///
     /// # Errors

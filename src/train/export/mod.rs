@@ -266,7 +266,9 @@ mod tests {
     #[test]
     fn exported_nets_compute_what_the_trained_ones_do() {
         let folder = tempfile::tempdir().unwrap();
-        for (arch, id) in [(Arch::Tiny, "tiny"), (Arch::TinyDeep, "deep"), (Arch::Occlusion, "occlusion")] {
+        for (arch, id) in
+            [(Arch::Tiny, "tiny"), (Arch::TinyDeep, "deep"), (Arch::TinyLite, "lite"), (Arch::Occlusion, "occlusion")]
+        {
             let about = about(id, Bits::ThirtyTwo);
             let (path, found) = export(&lived_in(arch), None, &about, folder.path()).unwrap();
             assert!(found <= tolerance(arch, about.bits), "{found}");

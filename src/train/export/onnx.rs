@@ -7,7 +7,8 @@ use tract_onnx::pb;
 use tract_onnx::prelude::f16;
 
 use crate::TrainError;
-use crate::nets::{Conv, End, Graph, NORM_EPSILON, Node, VIEWS, Weights};
+use crate::nets::{Conv, End, Form, Graph, NORM_EPSILON, Node, VIEWS, Weights};
+use crate::ops::Patch;
 
 const OPSET: i64 = 17;
 const IR_VERSION: i64 = 8;
@@ -31,7 +32,13 @@ pub fn encode(graph: &Graph, weights: &Weights, bits: Bits) -> Result<Vec<u8>, T
     for (i, node) in graph.nodes.iter().enumerate() {
         let name = match node {
             Node::Input => "input".to_owned(),
-            Node::Conv(from, conv) => writer.conv(&names[*from], conv, weights)?,
+            Node::Conv(from, conv) => {
+                let said = writer.conv(&names[*from], conv, weights)?;
+                match conv.added {
+                    Some(to) => writer.node("Add", &[&said, &names[to]], &format!("{}.sum", conv.name), vec![]),
+                    None => said,
+                }
+            }
             Node::Pool(from) => writer.pool(&names[*from], i),
             Node::UpConcat(low, skip) => writer.up_concat(&names[*low], &names[*skip], i),
         };
@@ -143,35 +150,62 @@ impl Writer {
     /// Pad, Conv with folded normalisation, and the activation.
     fn conv(&mut self, from: &str, conv: &Conv, weights: &Weights) -> Result<String, TrainError> {
         let name = &conv.name;
-        let dilations: Vec<i64> = if self.rank == 3 {
-            vec![1, conv.dilation as i64, conv.dilation as i64]
-        } else {
-            vec![conv.dilation as i64; 2]
-        };
-        let padded = self.pad(from, name, &dilations);
         let (values, bias) = fold(conv, weights)?;
-        let mut shape = vec![conv.outputs, conv.inputs];
-        shape.extend(vec![3; self.rank]);
         let (weight_name, bias_name) = (format!("{name}.weight"), format!("{name}.bias"));
-        self.weights(&weight_name, &shape, &values);
+        self.weights(&weight_name, &conv.weight_shape(self.rank), &values);
         self.floats(&bias_name, &[conv.outputs], &bias);
-        let attributes = vec![
+        let dilation = conv.dilation as i64;
+        let dilations = if self.rank == 3 { vec![1, dilation, dilation] } else { vec![dilation; 2] };
+        let (from, attributes) = match conv.form {
+            Form::Full => (self.pad(from, name, &dilations), self.full(dilations)),
+            Form::Patch { side, stride, each } => {
+                let how = Patch { form: conv.form, dilation: conv.dilation, clamped: false };
+                let [before, after] = how.margins(side).map(|n| n as i64);
+                let mut attributes = vec![
+                    ints("kernel_shape", vec![side as i64; 2]),
+                    ints("dilations", dilations),
+                    ints("strides", vec![stride as i64; 2]),
+                    ints("pads", vec![before, before, after, after]),
+                ];
+                attributes.extend(each.then(|| int("group", conv.outputs as i64)));
+                (from.to_owned(), attributes)
+            }
+        };
+        let z = self.node("Conv", &[&from, &weight_name, &bias_name], &format!("{name}.conv"), attributes);
+        Ok(self.end(&z, conv))
+    }
+
+    /// What a convolution of edge-padded maps is told.
+    fn full(&self, dilations: Vec<i64>) -> Vec<pb::AttributeProto> {
+        vec![
             ints("kernel_shape", vec![3; self.rank]),
             ints("dilations", dilations),
             ints("strides", vec![1; self.rank]),
             ints("pads", vec![0; 2 * self.rank]),
-        ];
-        let z = self.node("Conv", &[&padded, &weight_name, &bias_name], &format!("{name}.conv"), attributes);
-        let said = match conv.end {
-            End::NormElu => self.node("Elu", &[&z], &format!("{name}.elu"), vec![float("alpha", 1.0)]),
+        ]
+    }
+
+    /// A convolution's activation.
+    fn end(&mut self, z: &str, conv: &Conv) -> String {
+        let name = &conv.name;
+        match conv.end {
+            End::NormElu => self.node("Elu", &[z], &format!("{name}.elu"), vec![float("alpha", 1.0)]),
+            End::Settled { clamped: false } => z.to_owned(),
+            End::Settled { clamped: true } => {
+                let limits = [("low", 0.0), ("high", 6.0)].map(|(what, value)| {
+                    let limit = format!("{name}.{what}");
+                    self.floats(&limit, &[], &[value]);
+                    limit
+                });
+                self.node("Clip", &[z, &limits[0], &limits[1]], &format!("{name}.clamped"), vec![])
+            }
             End::Tanh { scale } => {
-                let y = self.node("Tanh", &[&z], &format!("{name}.tanh"), vec![]);
+                let y = self.node("Tanh", &[z], &format!("{name}.tanh"), vec![]);
                 let factor = format!("{name}.scale");
                 self.floats(&factor, &[], &[scale]);
                 self.node("Mul", &[&y, &factor], &format!("{name}.scaled"), vec![])
             }
-        };
-        Ok(if conv.added { self.node("Add", &[&said, from], &format!("{name}.sum"), vec![]) } else { said })
+        }
     }
 
     fn pad(&mut self, from: &str, name: &str, margins: &[i64]) -> String {
@@ -209,7 +243,7 @@ fn fold(conv: &Conv, weights: &Weights) -> Result<(Vec<f32>, Vec<f32>), TrainErr
     let array = |what: &str| weights.get(&format!("{}.{what}", conv.name)).map(|t| t.values.as_slice());
     let weight = array("weight")?;
     let (scale, bias): (Vec<f32>, Vec<f32>) = match conv.end {
-        End::NormElu => {
+        End::NormElu | End::Settled { .. } => {
             let (gamma, beta, mean, var) = (array("gamma")?, array("beta")?, array("mean")?, array("var")?);
             let scale: Vec<f32> = gamma.iter().zip(var).map(|(g, v)| g / (v + NORM_EPSILON).sqrt()).collect();
             let bias = (0..scale.len()).map(|c| beta[c] - mean[c] * scale[c]).collect();

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Conv, End, Graph, Node, Weights};
 use crate::TrainError;
 use crate::device;
-use crate::ops::{self, Path};
+use crate::ops::{self, Patch, Path};
 use crate::rng::Rng;
 
 /// Added to variances before the root, as in the paper's framework.
@@ -95,7 +95,7 @@ impl<'a> Tape<'a> {
                 Node::Conv(from, conv) => {
                     let y = self.conv2(conv, done[*from].clone(), rows.as_deref())?;
                     let y = if area <= coarse && conv.end == End::NormElu { self.thinned(y) } else { y };
-                    if conv.added { y + done[*from].clone() } else { y }
+                    if let Some(to) = conv.added { y + done[to].clone() } else { y }
                 }
                 Node::Pool(from) => ops::pool(done[*from].clone(), self.path),
                 Node::UpConcat(low, skip) => ops::up_concat(done[*low].clone(), done[*skip].clone(), self.path),
@@ -131,8 +131,19 @@ impl<'a> Tape<'a> {
                 let bias = self.leaf1(&format!("{}.bias", conv.name))?.select(0, rows.clone());
                 Ok(ops::conv_tanh(x, weight.select(0, rows), bias, (conv.dilation, scale), self.path))
             }
+            (End::Settled { clamped }, _) => {
+                let norm = self.vectors(conv, ["gamma", "beta", "mean", "var"])?;
+                let how = Patch { form: conv.form, dilation: conv.dilation, clamped };
+                Ok(ops::conv_settled(x, weight, norm, how, self.path))
+            }
             _ => self.finish(conv, x, weight),
         }
+    }
+
+    fn vectors<const N: usize>(&mut self, conv: &Conv, what: [&str; N]) -> Result<[Tensor<1>; N], TrainError> {
+        let found: Result<Vec<_>, _> =
+            what.into_iter().map(|what| self.leaf1(&format!("{}.{what}", conv.name))).collect();
+        Ok(found?.try_into().expect("as many as were asked for"))
     }
 
     fn finish<const D: usize>(
@@ -141,23 +152,18 @@ impl<'a> Tape<'a> {
         x: Tensor<D>,
         weight: Tensor<D>,
     ) -> Result<Tensor<D>, TrainError> {
-        let vector = |tape: &mut Self, what: &str| tape.leaf1(&format!("{}.{what}", conv.name));
-        match conv.end {
-            End::Tanh { scale } => {
-                let bias = vector(self, "bias")?;
-                Ok(ops::conv_tanh(x, weight, bias, (conv.dilation, scale), self.path))
-            }
-            End::NormElu => {
-                let (gamma, beta) = (vector(self, "gamma")?, vector(self, "beta")?);
-                if self.mode == Mode::Infer || self.keep_norm {
-                    let (mean, var) = (vector(self, "mean")?, vector(self, "var")?);
-                    return Ok(ops::conv_folded_elu(x, weight, [gamma, beta, mean, var], conv.dilation, self.path));
-                }
-                let (y, statistics) = ops::conv_norm_elu(x, weight, [gamma, beta], conv.dilation, self.path);
-                self.statistics.push((conv.name.clone(), statistics));
-                Ok(y)
-            }
+        if let End::Tanh { scale } = conv.end {
+            let [bias] = self.vectors(conv, ["bias"])?;
+            return Ok(ops::conv_tanh(x, weight, bias, (conv.dilation, scale), self.path));
         }
+        if self.mode == Mode::Infer || self.keep_norm {
+            let norm = self.vectors(conv, ["gamma", "beta", "mean", "var"])?;
+            return Ok(ops::conv_folded_elu(x, weight, norm, conv.dilation, self.path));
+        }
+        let norm = self.vectors(conv, ["gamma", "beta"])?;
+        let (y, statistics) = ops::conv_norm_elu(x, weight, norm, conv.dilation, self.path);
+        self.statistics.push((conv.name.clone(), statistics));
+        Ok(y)
     }
 
     fn load<const D: usize>(&self, name: &str) -> Result<(usize, Tensor<D>, bool), TrainError> {
@@ -244,24 +250,28 @@ mod tests {
 
     #[test]
     fn a_larger_net_begins_as_the_one_it_holds_and_learns_more() {
-        let [small, large] = [Arch::Tiny, Arch::TinyDeep].map(Arch::graph);
-        let own = Weights::random(&small, 1);
-        let grown = own.grown(&large, 2).unwrap();
-        assert!(grown.trained_values() > own.trained_values());
-        let picture: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
-        let depths = |weights: &Weights, graph: &Graph| {
-            let mut tape = Tape::new(weights, Mode::Train, Path::Own).unwrap();
-            let x = tape.input(picture.clone(), [1, 5, 16, 16]);
-            let y = tape.run2(graph, x, None).unwrap();
-            let gradients = y.clone().abs().sum().backward();
-            (values(y), tape.finish_step(&gradients).0)
-        };
-        let (before, (after, gradients)) = (depths(&own, &small).0, depths(&grown, &large));
-        assert_eq!(before, after);
-        let moves =
-            |(at, g): &(usize, Vec<f32>)| grown.tensors[*at].name.contains("_more") && g.iter().any(|g| g.abs() > 0.0);
-        assert!(gradients.iter().any(moves), "what is added has no gradient");
-        assert!(grown.grown(&small, 2).is_none(), "a net never shrinks");
+        for ([small, large], new) in
+            [([Arch::Tiny, Arch::TinyDeep], "_more"), ([Arch::TinyDeep, Arch::TinyLite], "seen")]
+        {
+            let [small, large] = [small, large].map(Arch::graph);
+            let own = Weights::random(&small, 1);
+            let grown = own.grown(&large, 2).unwrap();
+            assert!(grown.trained_values() > own.trained_values());
+            let picture: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
+            let depths = |weights: &Weights, graph: &Graph| {
+                let mut tape = Tape::new(weights, Mode::Train, Path::Own).unwrap();
+                let x = tape.input(picture.clone(), [1, 5, 16, 16]);
+                let y = tape.run2(graph, x, None).unwrap();
+                let gradients = y.clone().abs().sum().backward();
+                (values(y), tape.finish_step(&gradients).0)
+            };
+            let (before, (after, gradients)) = (depths(&own, &small).0, depths(&grown, &large));
+            assert_eq!(before, after);
+            let moves =
+                |(at, g): &(usize, Vec<f32>)| grown.tensors[*at].name.contains(new) && g.iter().any(|g| g.abs() > 0.0);
+            assert!(gradients.iter().any(moves), "what is added has no gradient");
+            assert!(grown.grown(&small, 2).is_none(), "a net never shrinks");
+        }
     }
 
     #[test]

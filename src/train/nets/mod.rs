@@ -2,10 +2,11 @@
 //!
 //! A net is a list of nodes, each naming the nodes it reads. There is one description, so what is exported is what was trained.
 
+mod build;
+mod encoder;
 mod forward;
 mod weights;
 
-use plenoscope::synth::corners::{Between, RANGE_PX as CORNER_RANGE_PX};
 use serde::{Deserialize, Serialize};
 
 pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, thinning, values, zeros};
@@ -21,8 +22,6 @@ pub const SIDE: usize = 8;
 pub const REFERENCE: usize = 36;
 /// Name of the last layer, whose rows are a depth net's views.
 const LAST: &str = "last";
-/// Channels of the everyday nets, from full size to a sixteenth.
-const CONTEXT_WIDTHS: [usize; 5] = [16, 32, 80, 160, 224];
 /// Largest ray depth in px per view step at the net's own width: D = 4·tanh(z / 4).
 pub const RANGE_PX: f32 = 4.0;
 /// Largest flow in px: what that ray depth moves the outermost view by.
@@ -42,11 +41,17 @@ pub enum Arch {
     ContextDeep,
     /// More of them, on the way down and at the finer levels too: it begins as `ContextDeep`.
     ContextDeeper,
+    /// The same beside an encoder that has seen a million photos (EfficientNet-Lite0), whose features are added at each level on
+    /// the way down: it begins as `ContextDeeper`.
+    ContextLite,
     /// A U-Net of a few channels, for tests.
     Tiny,
     /// The same with such further convolutions.
     #[value(skip)]
     TinyDeep,
+    /// The same with an encoder of a few channels beside it.
+    #[value(skip)]
+    TinyLite,
     /// The paper's 3-D occlusion net (§4.3).
     Occlusion,
     /// The paper's depth net with two maps a view: the flow to the right and down by which the photo becomes the view
@@ -101,6 +106,11 @@ impl Task {
 pub enum End {
     /// Batch normalisation, then ELU.
     NormElu,
+    /// Normalisation by statistics that stay as they are, then, if it is clamped, 0 … 6.
+    Settled {
+        /// Whether it is.
+        clamped: bool,
+    },
     /// Bias, then `scale · tanh(z / scale)`.
     Tanh {
         /// Largest magnitude of the result.
@@ -108,11 +118,36 @@ pub enum End {
     },
 }
 
-/// One convolution 3×3 (or 3×3×3), stride 1, edge padded, same size.
+/// Which pixels and channels a convolution takes together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// 3×3 (or 3×3×3) of all channels, stride 1, edge padded.
+    Full,
+    /// So many pixels squared, zero padded so that the result begins where the picture does (TensorFlow's SAME for even sizes).
+    Patch {
+        /// Pixels along a side.
+        side: usize,
+        /// Pixels from one patch to the next.
+        stride: usize,
+        /// Whether each channel is convolved by itself.
+        each: bool,
+    },
+}
+
+impl Form {
+    /// Pixels from one result to the next.
+    pub fn stride(self) -> usize {
+        if let Self::Patch { stride, .. } = self { stride } else { 1 }
+    }
+}
+
+/// One convolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conv {
     /// Name of its weights: `name.weight`, `name.gamma`, …
     pub name: String,
+    /// What it takes together.
+    pub form: Form,
     /// Channels in.
     pub inputs: usize,
     /// Channels out.
@@ -121,8 +156,27 @@ pub struct Conv {
     pub dilation: usize,
     /// How it ends.
     pub end: End,
-    /// Whether what it says is added to what it reads. Such a convolution begins silent (γ = 0).
-    pub added: bool,
+    /// The node that what it says is added to. A new layer of the U-Net that is added begins silent (γ = 0).
+    pub added: Option<usize>,
+}
+
+impl Conv {
+    fn full(name: String, inputs: usize, outputs: usize, end: End) -> Self {
+        Self { name, form: Form::Full, inputs, outputs, dilation: 1, end, added: None }
+    }
+
+    /// Sizes of its weights in a net of this rank, outermost first.
+    pub fn weight_shape(&self, rank: usize) -> Vec<usize> {
+        match self.form {
+            Form::Full => [self.outputs, self.inputs].into_iter().chain(vec![3; rank]).collect(),
+            Form::Patch { side, each, .. } => vec![self.outputs, if each { 1 } else { self.inputs }, side, side],
+        }
+    }
+
+    /// Products of one value of the result.
+    fn products(&self, rank: usize) -> usize {
+        self.weight_shape(rank)[1..].iter().product()
+    }
 }
 
 /// A node of a net. Numbers are indices of earlier nodes.
@@ -151,141 +205,7 @@ pub struct Graph {
     pub multiple_of: usize,
 }
 
-/// Builds a graph node by node.
-struct Builder {
-    nodes: Vec<Node>,
-    channels: Vec<usize>,
-}
-
-impl Builder {
-    fn new(inputs: usize) -> Self {
-        Self { nodes: vec![Node::Input], channels: vec![inputs] }
-    }
-
-    fn last(&self) -> usize {
-        self.nodes.len() - 1
-    }
-
-    fn push(&mut self, node: Node, channels: usize) -> usize {
-        self.nodes.push(node);
-        self.channels.push(channels);
-        self.last()
-    }
-
-    /// Adds a convolution of the last node.
-    fn conv(&mut self, name: &str, outputs: usize, dilation: usize, end: End) -> usize {
-        let from = self.last();
-        let conv = Conv { name: name.to_owned(), inputs: self.channels[from], outputs, dilation, end, added: false };
-        self.push(Node::Conv(from, conv), outputs)
-    }
-
-    /// Adds convolutions of as many channels whose results are added to what they read, with dilations 1 … `farthest` in turn.
-    fn refine(&mut self, name: &str, count: usize, farthest: usize) {
-        for i in 0..count {
-            let dilation = 1 + i % farthest;
-            let (from, name) = (self.last(), format!("{name}_more{i}"));
-            let width = self.channels[from];
-            let conv = Conv { name, inputs: width, outputs: width, dilation, end: End::NormElu, added: true };
-            self.push(Node::Conv(from, conv), width);
-        }
-    }
-
-    fn pool(&mut self) -> usize {
-        let from = self.last();
-        self.push(Node::Pool(from), self.channels[from])
-    }
-
-    fn up_concat(&mut self, skip: usize) -> usize {
-        let from = self.last();
-        self.push(Node::UpConcat(from, skip), self.channels[from] + self.channels[skip])
-    }
-
-    fn finish(self, arch: Arch, rank: usize, multiple_of: usize) -> Graph {
-        Graph { arch, nodes: self.nodes, rank, multiple_of }
-    }
-}
-
-/// The paper's depth net: dilated 3×3 convolutions with batch normalisation and ELU, last layer a scaled tanh.
-fn paper(arch: Arch, inputs: usize, scale: f32) -> Graph {
-    let mut net = Builder::new(inputs);
-    let layers = [(16, 1), (64, 1), (128, 1), (128, 2), (128, 4), (128, 8), (128, 16), (128, 1), (64, 1)];
-    for (i, (outputs, dilation)) in layers.into_iter().enumerate() {
-        net.conv(&format!("conv{i}"), outputs, dilation, End::NormElu);
-    }
-    net.conv(LAST, VIEWS * arch.rows_per_view(), 1, End::Tanh { scale });
-    net.finish(arch, 2, 1)
-}
-
-/// A U-Net: two convolutions a level, mean pooling down, nearest pixel up, skips joined by concatenation; the
-/// deepest level looks further with dilations 1, 2, 4, so that every pixel sees the whole picture. `further` convolutions
-/// of each level follow on the way down (the deepest level's, too), then on the way up, from full size on.
-fn u_net(arch: Arch, widths: &[usize], [down, up]: [&[usize]; 2]) -> Graph {
-    let mut net = Builder::new(5);
-    let mut skips = Vec::new();
-    let deepest = widths.len() - 1;
-    for (level, &width) in widths.iter().enumerate() {
-        if level > 0 {
-            net.pool();
-        }
-        let dilations: &[usize] = if level == deepest { &[1, 2, 4] } else { &[1, 1] };
-        for (i, &dilation) in dilations.iter().enumerate() {
-            net.conv(&format!("down{level}_{i}"), width, dilation, End::NormElu);
-        }
-        let (name, farthest) = if level == deepest { ("deepest".to_owned(), 2) } else { (format!("down{level}"), 1) };
-        net.refine(&name, down.get(level).copied().unwrap_or(0), farthest);
-        skips.push(net.last());
-    }
-    for level in (0..deepest).rev() {
-        net.up_concat(skips[level]);
-        for i in 0..2 {
-            net.conv(&format!("up{level}_{i}"), widths[level], 1, End::NormElu);
-        }
-        net.refine(&format!("up{level}"), up.get(level).copied().unwrap_or(0), 1);
-    }
-    net.conv(LAST, VIEWS, 1, End::Tanh { scale: RANGE_PX });
-    net.finish(arch, 2, 1 << deepest)
-}
-
-/// The paper's occlusion net: five 3×3×3 convolutions over (views, y, x), the last a tanh; its result is added to the
-/// Lambertian views.
-fn occlusion() -> Graph {
-    let mut net = Builder::new(4);
-    for i in 0..4 {
-        net.conv(&format!("conv{i}"), 8, 1, End::NormElu);
-    }
-    net.conv(LAST, 3, 1, End::Tanh { scale: 1.0 });
-    net.finish(Arch::Occlusion, 3, 1)
-}
-
-/// Either net between four corners: few layers, as what tells is in each place's own features.
-fn corners(arch: Arch, inputs: usize, outputs: usize, scale: f32) -> Graph {
-    let mut net = Builder::new(inputs);
-    for (i, (width, dilation)) in [(64, 1), (64, 2), (64, 4), (32, 1)].into_iter().enumerate() {
-        net.conv(&format!("conv{i}"), width, dilation, End::NormElu);
-    }
-    net.conv(LAST, outputs, 1, End::Tanh { scale });
-    net.finish(arch, 2, 1)
-}
-
 impl Arch {
-    /// The net's graph.
-    pub fn graph(self) -> Graph {
-        match self {
-            Self::Paper => paper(self, 3, RANGE_PX),
-            Self::PaperYx => paper(self, 5, RANGE_PX),
-            Self::AppearanceFlow => paper(self, 3, FLOW_RANGE_PX),
-            Self::DirectRegression => paper(self, 3, 1.0),
-            Self::CornerDisparity => corners(self, Between::AGREEMENT_CHANNELS, 1, CORNER_RANGE_PX),
-            Self::CornerColour => corners(self, Between::COLOUR_CHANNELS, 3, 1.0),
-            Self::Context => u_net(self, &CONTEXT_WIDTHS, [&[], &[]]),
-            Self::ContextDeep => u_net(self, &CONTEXT_WIDTHS, [&[0, 0, 0, 0, 4], &[2; 4]]),
-            Self::ContextDeeper => u_net(self, &CONTEXT_WIDTHS, [&[0, 2, 2, 0, 4], &[2, 2, 6, 5]]),
-            Self::Tiny => u_net(self, &[6, 8, 8], [&[], &[]]),
-            Self::TinyDeep => u_net(self, &[6, 8, 8], [&[0, 0, 2], &[1; 2]]),
-            Self::Occlusion => occlusion(),
-        }
-    }
-
     /// What it says.
     pub fn task(self) -> Task {
         match self {
@@ -295,7 +215,7 @@ impl Arch {
             Self::CornerDisparity => Task::CornerDepth,
             Self::CornerColour => Task::CornerColour,
             Self::Paper | Self::PaperYx | Self::Context | Self::ContextDeep | Self::ContextDeeper => Task::Depth,
-            Self::Tiny | Self::TinyDeep => Task::Depth,
+            Self::ContextLite | Self::Tiny | Self::TinyDeep | Self::TinyLite => Task::Depth,
         }
     }
 
@@ -315,9 +235,10 @@ impl Arch {
             Self::CornerDisparity => &["agreement"],
             Self::CornerColour => &["corners", "disparity", "view"],
             Self::Occlusion => &["rgb", "disparity"],
-            Self::PaperYx | Self::Context | Self::ContextDeep | Self::ContextDeeper | Self::Tiny | Self::TinyDeep => {
+            Self::PaperYx | Self::Context | Self::ContextDeep | Self::ContextDeeper | Self::ContextLite => {
                 &["rgb", "yx"]
             }
+            Self::Tiny | Self::TinyDeep | Self::TinyLite => &["rgb", "yx"],
         }
     }
 
@@ -349,7 +270,7 @@ impl Graph {
         for (i, node) in self.nodes.iter().enumerate() {
             areas[i] = match node {
                 Node::Input => 1.0,
-                Node::Conv(from, _) => areas[*from],
+                Node::Conv(from, conv) => areas[*from] / (conv.form.stride() as f64).powi(2),
                 Node::Pool(from) => areas[*from] / 4.0,
                 Node::UpConcat(low, _) => areas[*low] * 4.0,
             };
@@ -360,7 +281,7 @@ impl Graph {
     /// Floating-point operations of one forward pass, per pixel (and view, for rank 3) at full size.
     pub fn flop_per_pixel(&self) -> f64 {
         let of = |node: &Node| match node {
-            Node::Conv(_, conv) => 2.0 * (conv.inputs * conv.outputs * 3usize.pow(self.rank as u32)) as f64,
+            Node::Conv(_, conv) => 2.0 * (conv.outputs * conv.products(self.rank)) as f64,
             _ => 0.0,
         };
         self.nodes.iter().zip(self.areas()).map(|(node, area)| of(node) * area).sum()
@@ -397,10 +318,31 @@ mod tests {
     }
 
     #[test]
-    fn each_everyday_net_holds_the_one_before_and_fits_its_file_in_16_bits() {
-        let [context, deep, deeper] = [Arch::Context, Arch::ContextDeep, Arch::ContextDeeper].map(Arch::graph);
-        let grown = Weights::random(&context, 1).grown(&deep, 1).and_then(|weights| weights.grown(&deeper, 1)).unwrap();
-        assert!(2 * grown.trained_values() < 12 << 20, "{} parameters", grown.trained_values());
-        assert!(deeper.flop_per_pixel() < 320_000.0, "{} FLOP a pixel", deeper.flop_per_pixel());
+    fn each_everyday_net_holds_the_one_before_and_fits_its_file() {
+        let nets = [Arch::Context, Arch::ContextDeep, Arch::ContextDeeper, Arch::ContextLite].map(Arch::graph);
+        let mut weights = Weights::random(&nets[0], 1);
+        for (net, (most_bytes, most_flop)) in
+            nets[1..].iter().zip([(12 << 20, 320e3), (12 << 20, 320e3), (22 << 20, 340e3)])
+        {
+            weights = weights.grown(net, 1).unwrap();
+            // In 16 bits; in 8 it is half of that.
+            assert!(2 * weights.trained_values() < most_bytes, "{} parameters", weights.trained_values());
+            assert!(net.flop_per_pixel() < most_flop, "{} FLOP a pixel", net.flop_per_pixel());
+        }
+    }
+
+    #[test]
+    fn the_encoder_is_efficientnet_lite0_without_its_head() {
+        let weights = Weights::random(&Arch::ContextLite.graph(), 1);
+        let values = |what: &str| {
+            let of = weights.tensors.iter().filter(|t| t.is_of_encoder() && t.name.ends_with(what));
+            of.map(|t| t.values.len()).sum::<usize>()
+        };
+        // Counted by the paper's widths, and the weights of the stem for two coordinates.
+        assert_eq!(values(".weight"), 2_919_392 + 2 * 9 * 32);
+        let last = weights.get("lite.6_0.narrow.weight").unwrap();
+        assert_eq!(last.shape, [320, 1152, 1, 1]);
+        assert_eq!(weights.get("seen3.weight").unwrap().shape, [224, 112, 3, 3]);
+        assert_eq!(weights.get("seen4.weight").unwrap().shape, [224, 320, 3, 3]);
     }
 }

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::encoder::PREFIX;
 use super::{Conv, End, Graph, LAST, REFERENCE, VIEWS};
 use crate::TrainError;
 use crate::rng::Rng;
@@ -24,6 +25,11 @@ impl Tensor32 {
     pub fn is_of_last_layer(&self) -> bool {
         self.name.strip_prefix(LAST).is_some_and(|what| what.starts_with('.'))
     }
+
+    /// Whether it is of the encoder beside a U-Net.
+    pub fn is_of_encoder(&self) -> bool {
+        self.name.starts_with(PREFIX)
+    }
 }
 
 /// All arrays of a net.
@@ -40,15 +46,13 @@ impl Weights {
         let mut rng = Rng::new(seed, 0x6e65_7473);
         let mut tensors = Vec::new();
         for conv in graph.convs() {
-            let taps = 3usize.pow(graph.rank as u32);
+            let (shape, products) = (conv.weight_shape(graph.rank), conv.products(graph.rank));
             let values = match conv.end {
-                End::NormElu => {
-                    normal(&mut rng, conv.outputs * conv.inputs * taps, (2.0 / (conv.inputs * taps) as f32).sqrt())
+                End::NormElu | End::Settled { .. } => {
+                    normal(&mut rng, conv.outputs * products, (2.0 / products as f32).sqrt())
                 }
-                End::Tanh { .. } => tied(&mut rng, conv, taps),
+                End::Tanh { .. } => tied(&mut rng, conv, products),
             };
-            let mut shape = vec![conv.outputs, conv.inputs];
-            shape.extend(vec![3; graph.rank]);
             tensors.push(Tensor32 { name: format!("{}.weight", conv.name), shape, values, trained: true });
             tensors.extend(vectors(conv));
         }
@@ -118,8 +122,7 @@ fn normal(rng: &mut Rng, n: usize, deviation: f32) -> Vec<f32> {
 }
 
 /// One random row, repeated for every output; the occlusion net's rows differ, as colours do.
-fn tied(rng: &mut Rng, conv: &Conv, taps: usize) -> Vec<f32> {
-    let n = conv.inputs * taps;
+fn tied(rng: &mut Rng, conv: &Conv, n: usize) -> Vec<f32> {
     if conv.outputs == VIEWS {
         let row = normal(rng, n, 0.3 / (n as f32).sqrt());
         row.iter().copied().cycle().take(n * conv.outputs).collect()
@@ -137,8 +140,8 @@ fn vectors(conv: &Conv) -> Vec<Tensor32> {
         trained,
     };
     match conv.end {
-        End::NormElu => vec![
-            vector("gamma", if conv.added { 0.0 } else { 1.0 }, true),
+        End::NormElu | End::Settled { .. } => vec![
+            vector("gamma", if conv.added.is_some() && conv.end == End::NormElu { 0.0 } else { 1.0 }, true),
             vector("beta", 0.0, true),
             vector("mean", 0.0, false),
             vector("var", 1.0, false),

@@ -3,10 +3,12 @@
 mod own;
 mod own_conv;
 mod own_flex;
+mod own_patch;
 mod stock;
 
 use burn::tensor::Tensor;
 
+use crate::nets::Form;
 use own_conv::{Biased, Norm};
 use plenoscope::kernel::Activation;
 
@@ -52,6 +54,46 @@ pub fn conv_folded_elu<const D: usize>(
     match path {
         Path::Stock | Path::Graphics => stock::conv_elu(x, weight, bias, dilation),
         Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu }),
+    }
+}
+
+/// A zero-padded convolution whose normalisation is settled.
+#[derive(Clone, Copy, Debug)]
+pub struct Patch {
+    /// Pixels and channels that it takes together; never [`Form::Full`].
+    pub form: Form,
+    /// Distance of neighbouring taps.
+    pub dilation: usize,
+    /// Whether it ends in 0 … 6.
+    pub clamped: bool,
+}
+
+impl Patch {
+    pub(crate) fn stride(self) -> usize {
+        self.form.stride()
+    }
+
+    pub(crate) fn each(self) -> bool {
+        matches!(self.form, Form::Patch { each: true, .. })
+    }
+
+    /// Zeros before and after an axis, for kernels of so many taps.
+    pub(crate) fn margins(self, side: usize) -> [usize; 2] {
+        let all = (side - 1) * self.dilation + 1 - self.stride().min((side - 1) * self.dilation + 1);
+        [all / 2, all - all / 2]
+    }
+}
+
+/// Such a convolution with its `[gamma, beta, mean, variance]`.
+///
+/// # Shapes
+/// - `x`: `[n, c_in, h, w]`, sides being multiples of the stride; `weight`: `[c_out, c_in (1 for each by itself), k, k]`
+/// - result: `[n, c_out, h / stride, w / stride]`
+pub fn conv_settled(x: Tensor<4>, weight: Tensor<4>, norm: [Tensor<1>; 4], how: Patch, path: Path) -> Tensor<4> {
+    let (weight, bias) = stock::fold(weight, norm);
+    match path {
+        Path::Stock | Path::Graphics => stock::conv_patch(x, weight, bias, how),
+        Path::Own => own::conv_patch(x, weight, bias, how),
     }
 }
 

@@ -9,8 +9,10 @@ use burn::backend::tensor::FloatTensor;
 use burn::backend::{Autodiff, AutodiffBackend, Backend, Dispatch, Flex, backend_extension};
 use burn::tensor::Tensor;
 
+use super::Patch;
 use super::own_conv::{Biased, Norm, Saved, SavedBiased, biased_backward, biased_forward, norm_backward, norm_forward};
 use super::own_flex::{contiguous, dims, make, pool_backward, pool_forward, slice, up_backward, up_forward};
+use super::own_patch::{SavedPatch, patch_forward};
 
 /// Our operations, in terms of a backend's own tensors. Shapes as in [`crate::ops`].
 #[backend_extension(Flex, Autodiff)]
@@ -29,6 +31,13 @@ pub trait LightFieldOps: Backend {
         weight: FloatTensor<Self>,
         bias: FloatTensor<Self>,
         end: Biased,
+    ) -> FloatTensor<Self>;
+    /// Zero-padded convolution with bias, then 0 … 6 if it is clamped.
+    fn conv_patch(
+        x: FloatTensor<Self>,
+        weight: FloatTensor<Self>,
+        bias: FloatTensor<Self>,
+        how: Patch,
     ) -> FloatTensor<Self>;
     /// Mean of 2×2 pixels.
     fn pool(x: FloatTensor<Self>) -> FloatTensor<Self>;
@@ -49,6 +58,9 @@ impl LightFieldOps for Flex {
     }
     fn conv_biased(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, end: Biased) -> FlexTensor {
         biased_forward(x, weight, bias, end).0
+    }
+    fn conv_patch(x: FlexTensor, weight: FlexTensor, bias: FlexTensor, how: Patch) -> FlexTensor {
+        patch_forward(x, weight, bias, how).0
     }
     fn pool(x: FlexTensor) -> FlexTensor {
         pool_forward(&contiguous(x))
@@ -91,6 +103,20 @@ impl Backward<Flex, 3> for BiasedBackward {
         let gy = contiguous(gradients.consume::<Flex>(&ops.node));
         let wants_x = ops.parents[0].is_some();
         let taken = biased_backward(&ops.state, slice(&gy), wants_x);
+        register(gradients, ops.parents.map(|parent| parent.map(|node| node.id)), taken);
+    }
+}
+
+#[derive(Debug)]
+struct PatchBackward;
+
+impl Backward<Flex, 3> for PatchBackward {
+    type State = SavedPatch;
+
+    fn backward(self, ops: Ops<SavedPatch, 3>, gradients: &mut Gradients, _: &mut Checkpointer) {
+        let gy = contiguous(gradients.consume::<Flex>(&ops.node));
+        let wants_x = ops.parents[0].is_some();
+        let taken = ops.state.backward(slice(&gy), wants_x);
         register(gradients, ops.parents.map(|parent| parent.map(|node| node.id)), taken);
     }
 }
@@ -161,6 +187,20 @@ impl<C: CheckpointStrategy> LightFieldOps for Autodiff<Flex, C> {
         }
     }
 
+    fn conv_patch(
+        x: FloatTensor<Self>,
+        weight: FloatTensor<Self>,
+        bias: FloatTensor<Self>,
+        how: Patch,
+    ) -> FloatTensor<Self> {
+        let ((x, nx), (weight, nw), (bias, nb)) = (x.into_parts(), weight.into_parts(), bias.into_parts());
+        let (y, saved) = patch_forward(x, weight, bias, how);
+        match PatchBackward.prepare::<C>([nx, nw, nb]).compute_bound().stateful() {
+            OpsKind::Tracked(prepared) => prepared.finish(saved, y),
+            OpsKind::UnTracked(prepared) => prepared.finish(y),
+        }
+    }
+
     fn pool(x: FloatTensor<Self>) -> FloatTensor<Self> {
         let (x, node) = x.into_parts();
         let x = contiguous(x);
@@ -205,6 +245,15 @@ pub(super) fn conv_biased<const D: usize>(x: Tensor<D>, weight: Tensor<D>, bias:
         weight.into_dispatch(),
         bias.into_dispatch(),
         end,
+    ))
+}
+
+pub(super) fn conv_patch(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, how: Patch) -> Tensor<4> {
+    Tensor::from_dispatch(<Dispatch as LightFieldOps>::conv_patch(
+        x.into_dispatch(),
+        weight.into_dispatch(),
+        bias.into_dispatch(),
+        how,
     ))
 }
 

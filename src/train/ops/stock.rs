@@ -5,6 +5,7 @@ use burn::tensor::activation::elu;
 use burn::tensor::module::{conv2d, conv3d};
 use burn::tensor::ops::{ConvOptions, PadMode};
 
+use super::Patch;
 use crate::nets::NORM_EPSILON;
 
 /// Edge padding by the dilation, then a valid convolution; the angular axis of a 3-D one has dilation 1.
@@ -62,6 +63,17 @@ pub(super) fn fold<const D: usize>(
 
 pub(super) fn conv_elu<const D: usize>(x: Tensor<D>, weight: Tensor<D>, bias: Tensor<1>, dilation: usize) -> Tensor<D> {
     elu(conv(x, weight, dilation) + by_channel(bias), 1.0)
+}
+
+pub(super) fn conv_patch(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, how: Patch) -> Tensor<4> {
+    let [outputs, _, side, _] = weight.dims();
+    let [before, after] = how.margins(side);
+    let padded = x.pad([(before, after), (before, after)], PadMode::Constant(0.0));
+    let groups = if how.each() { outputs } else { 1 };
+    let (stride, dilation) = (how.stride(), how.dilation);
+    let options = ConvOptions::new([stride; 2], [0, 0], [dilation; 2], groups);
+    let z = conv2d(padded, weight, Some(bias), options);
+    if how.clamped { z.clamp(0.0, 6.0) } else { z }
 }
 
 pub(super) fn conv_tanh<const D: usize>(

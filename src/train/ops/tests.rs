@@ -120,6 +120,42 @@ fn a_convolution_normalised_by_kept_statistics_is_burns() {
     check_folded_elu([2, 24, 10, 12], 40, 2);
 }
 
+/// Result and the gradients of input, weights, γ and β of Σ result·probe, zero padded.
+fn settled(x: [usize; 4], outputs: usize, how: Patch, path: Path) -> Vec<Vec<f32>> {
+    let Form::Patch { side, stride, each } = how.form else { panic!("a patch") };
+    let weight = [outputs, if each { 1 } else { x[1] }, side, side];
+    let (input, weight) = (random(1, x).require_grad(), random(2, weight).require_grad());
+    let [gamma, beta] = [(random(3, [outputs]) * 3.0).require_grad(), random(4, [outputs]).require_grad()];
+    let norm = [gamma.clone(), beta.clone(), random(5, [outputs]), random(6, [outputs]).abs() + 0.1];
+    let y = conv_settled(input.clone(), weight.clone(), norm, how, path);
+    let gradients = (y.clone() * random(7, [x[0], outputs, x[2] / stride, x[3] / stride])).sum().backward();
+    let of = |t: &Tensor<4>| values(t.grad(&gradients).unwrap());
+    let of_channels = |t: &Tensor<1>| values(t.grad(&gradients).unwrap());
+    vec![values(y), of(&input), of(&weight), of_channels(&gamma), of_channels(&beta)]
+}
+
+#[test]
+fn convolutions_of_settled_normalisation_are_burns() {
+    let patch = |side, stride, each| Form::Patch { side, stride, each };
+    let all = [
+        ([2, 5, 12, 16], 8, patch(3, 2, false), 1),
+        ([2, 12, 7, 9], 20, patch(1, 1, false), 1),
+        ([3, 40, 5, 4], 24, patch(1, 1, false), 1),
+        ([2, 6, 12, 40], 6, patch(3, 1, true), 1),
+        ([2, 6, 12, 16], 6, patch(3, 2, true), 1),
+        ([2, 6, 8, 20], 6, patch(5, 2, true), 1),
+        ([2, 10, 9, 7], 10, patch(5, 1, true), 2),
+        ([1, 4, 3, 2], 4, patch(3, 1, true), 2),
+    ];
+    for ((x, outputs, form, dilation), clamped) in all.into_iter().flat_map(|case| [(case, true), (case, false)]) {
+        let how = Patch { form, dilation, clamped };
+        let (ours, theirs) = (settled(x, outputs, how, Path::Own), settled(x, outputs, how, Path::Stock));
+        for (what, (a, b)) in ["y", "∂x", "∂w", "∂γ", "∂β"].into_iter().zip(ours.iter().zip(&theirs)) {
+            same(&format!("{what} of {x:?} → {outputs}, {how:?}"), a, b);
+        }
+    }
+}
+
 #[test]
 fn pooling_and_joining_are_burns() {
     let run = |path| {
