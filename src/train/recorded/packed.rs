@@ -144,6 +144,7 @@ fn of_bytes(bytes: &[u8]) -> Option<Field> {
 mod tests {
     use super::*;
     use crate::recorded::tests::{write_eslf, write_plane};
+    use crate::rng::Rng;
 
     #[test]
     fn a_packed_folder_is_what_was_packed() {
@@ -174,6 +175,23 @@ mod tests {
         assert!(of_bytes(&bytes).is_some());
         for end in [0, 10, 50, bytes.len() - 1] {
             assert!(of_bytes(&bytes[..end]).is_none(), "{end}");
+        }
+    }
+
+    #[test]
+    fn a_damaged_header_is_none_or_that_of_another_light_field() {
+        let field = Field { width: 3, height: 2, rgb: vec![7; 64 * 18], raw: false };
+        let whole = bytes(&field);
+        let mut rng = Rng::new(5, 0);
+        for _ in 0..5000 {
+            let mut bytes = whole.clone();
+            for _ in 0..1 + rng.below(4) {
+                let at = 3 + rng.below(30);
+                bytes[at] = b"0123456789 \n#-+,x\xff"[rng.below(18)];
+            }
+            if let Some(field) = of_bytes(&bytes) {
+                assert_eq!(field.rgb.len(), 3 * VIEWS * field.width * field.height);
+            }
         }
     }
 }

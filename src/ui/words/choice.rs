@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
-use super::language::{Language, SHIPPED};
+use super::language::{Language, SHIPPED, is_too_deep};
 use super::{Message, SPOKEN, message};
 use crate::within;
 
@@ -70,7 +70,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 /// A file, and the lines of it that cannot be read.
 fn read(path: &Path, faults: &mut Vec<Message>) -> Option<Language> {
     let tag = path.file_stem()?.to_str().filter(|tag| tag.parse::<unic_langid::LanguageIdentifier>().is_ok())?;
-    let (language, lines) = Language::read(tag, &within::text(path, MOST_BYTES).ok()?);
+    let text = within::text(path, MOST_BYTES).ok().filter(|text| !is_too_deep(text))?;
+    let (language, lines) = Language::read(tag, &text);
     if let Some(first) = lines.first() {
         faults.push(message!("language-damaged", line = first, count = lines.len(), path = path));
     }
@@ -100,5 +101,42 @@ mod tests {
         assert_eq!(faults.len(), 1, "a line that is none is told");
         std::fs::write(folder.path().join("no language.ftl"), "").unwrap();
         assert!(read(&folder.path().join("no language.ftl"), &mut faults).is_none());
+    }
+
+    #[test]
+    fn braces_within_braces_end_no_program() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nl.ftl");
+        let deep = |unit: &str| format!("button-cancel = {{1 ->\n *[a] {}", unit.repeat(50_000));
+        for unit in ["{", "{A(", "{1 ->\n *[a] ", "{-a(", "{\"}\" ->\n *[a] \""] {
+            std::fs::write(&path, deep(unit)).unwrap();
+            assert!(read(&path, &mut Vec::new()).is_none(), "{unit}");
+        }
+        let many = "a = {\"{\"} ( {b} )\n-b = (((((\n".repeat(1000);
+        std::fs::write(&path, many).unwrap();
+        assert!(read(&path, &mut Vec::new()).is_some(), "many texts are not deep");
+        assert!(SHIPPED.iter().all(|source| !is_too_deep(source.text)));
+    }
+
+    #[test]
+    fn a_damaged_language_is_read_as_far_as_it_goes() {
+        let mut state = 7_u64;
+        let mut next = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as usize % below
+        };
+        let marks = b"{}()[]*->=\"\\.#$ \n\0\xff";
+        let whole = SHIPPED[1].text.as_bytes();
+        for _ in 0..200 {
+            let from = next(whole.len() - 4000);
+            let mut bytes = whole[from..from + 4000].to_vec();
+            for _ in 0..40 {
+                let at = next(bytes.len());
+                bytes[at] = marks[next(marks.len())];
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            let (language, _) = Language::read("de", &text);
+            assert!(language.ids().all(|id| !id.is_empty()));
+        }
     }
 }

@@ -24,6 +24,9 @@ pub struct Source {
 pub const SHIPPED: [Source; 2] =
     [Source { tag: "en", text: include_str!("en.ftl") }, Source { tag: "de", text: include_str!("de.ftl") }];
 
+/// The most braces and brackets of one text. A stack bears a thousand in one another.
+const MOST_OPENED: usize = 200;
+
 static SPEAKERS: LazyLock<[Language; SHIPPED.len()]> =
     LazyLock::new(|| SHIPPED.map(|source| Language::read(source.tag, source.text).0));
 
@@ -171,6 +174,18 @@ fn constant(bundle: &FluentBundle<FluentResource>, key: &str) -> Option<String> 
     let mut errors = Vec::new();
     let said = bundle.format_pattern(pattern(bundle, key)?, None, &mut errors).into_owned();
     errors.is_empty().then_some(said)
+}
+
+/// Whether a text of a file may hold so many braces and brackets in one another that reading it would end the program: its reader,
+/// which is not ours, goes one step deeper with each. They are counted where they open, as strings make it hard to tell what closes.
+pub fn is_too_deep(file: &str) -> bool {
+    let mut opened = 0;
+    file.lines().any(|line| {
+        let rest = line.trim_start_matches(|c: char| c.is_ascii_alphanumeric() || "-_".contains(c));
+        let begins = rest.len() < line.len() && rest.trim_start().starts_with('=');
+        opened = if begins { 0 } else { opened } + line.matches(['{', '(']).count();
+        opened > MOST_OPENED
+    })
 }
 
 /// Where a file cannot be read.
