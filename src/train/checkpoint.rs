@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::TrainError;
 use crate::files;
-use crate::nets::{Arch, Tensor32, Weights};
+use crate::nets::{Arch, Bytes, Tensor32, Weights};
 use crate::optimizer::AdamW;
 
 /// Where a run stands. Data and seeds are functions of the step, so that this is all a run needs to go on exactly.
@@ -67,9 +67,18 @@ impl<'a> Arrays<'a> {
                 raw.chunks_exact(2).map(|b| f32::from_bits(u32::from(u16::from_le_bytes([b[0], b[1]])) << 16)).collect()
             }
             "F16" => raw.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f32()).collect(),
+            "I8" => {
+                let values = raw.iter().map(|b| *b as i8).collect();
+                Bytes { values, steps: self.read(&steps_of(name))? }.floats()
+            }
             _ => return None,
         })
     }
+}
+
+/// The array of the steps of one that is kept in 8 bits.
+fn steps_of(name: &str) -> String {
+    format!("{name}.steps")
 }
 
 /// How moments are stored.
@@ -79,7 +88,7 @@ pub enum Moments {
     Exact,
     /// As bf16: the run goes on to within rounding.
     Half,
-    /// Not at all, and of the weights their average, convolutions in 16 bits: an eighth of the file. A run goes on from it, its
+    /// Not at all, and of the weights their average, convolutions in 8 bits: a sixteenth of the file. A run goes on from it, its
     /// moments anew.
     Without,
 }
@@ -180,7 +189,7 @@ impl Checkpoint {
                 match dtype {
                     // Round to nearest: bf16 is the upper half of an f32.
                     "BF16" => data.extend((((v.to_bits() + 0x8000) >> 16) as u16).to_le_bytes()),
-                    "F16" => data.extend(f16::from_f32(*v).to_le_bytes()),
+                    "I8" => data.push(*v as i8 as u8),
                     _ => data.extend(v.to_le_bytes()),
                 }
             }
@@ -196,9 +205,15 @@ impl Checkpoint {
             put(format!("average.{}", tensor.name), &tensor.shape, &tensor.values, "F32");
         }
         for (i, tensor) in weights.tensors.iter().enumerate() {
-            // As the exported file has them.
-            let dtype = if !all && tensor.shape.len() > 1 { "F16" } else { "F32" };
-            put(tensor.name.clone(), &tensor.shape, &tensor.values, dtype);
+            if !all && tensor.shape.len() > 1 {
+                // As the exported file has them.
+                let bytes = Bytes::of(&tensor.values, tensor.shape[0]);
+                let values: Vec<f32> = bytes.values.iter().map(|v| f32::from(*v)).collect();
+                put(tensor.name.clone(), &tensor.shape, &values, "I8");
+                put(steps_of(&tensor.name), &tensor.shape[..1], &bytes.steps, "F32");
+                continue;
+            }
+            put(tensor.name.clone(), &tensor.shape, &tensor.values, "F32");
             if tensor.trained && all {
                 for (which, moment) in [("first", &self.adam.first[i]), ("second", &self.adam.second[i])] {
                     let name = format!("adam.{which}.{}", tensor.name);
@@ -264,11 +279,15 @@ mod tests {
     use super::*;
 
     /// Weights as a small file keeps them.
-    fn in_half(weights: &Weights) -> Weights {
-        let mut half = weights.clone();
-        let convolutions = half.tensors.iter_mut().filter(|tensor| tensor.shape.len() > 1);
-        convolutions.flat_map(|tensor| &mut tensor.values).for_each(|v| *v = f16::from_f32(*v).to_f32());
-        half
+    fn in_bytes(weights: &Weights) -> Weights {
+        let mut kept = weights.clone();
+        for tensor in kept.tensors.iter_mut().filter(|tensor| tensor.shape.len() > 1) {
+            let most = tensor.values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
+            let floats = Bytes::of(&tensor.values, tensor.shape[0]).floats();
+            assert!(floats.iter().zip(&tensor.values).all(|(a, b)| (a - b).abs() <= most / 250.0), "{}", tensor.name);
+            tensor.values = floats;
+        }
+        kept
     }
 
     #[test]
@@ -284,7 +303,7 @@ mod tests {
         assert_eq!(Checkpoint::load(&path).unwrap().adam.first[0][0], 0.125);
         checkpoint.save(&path, Moments::Without).unwrap();
         let loaded = Checkpoint::load(&path).unwrap();
-        assert_eq!((&loaded.weights, loaded.adam), (&in_half(&checkpoint.weights), AdamW::new(&checkpoint.weights)));
+        assert_eq!((&loaded.weights, loaded.adam), (&in_bytes(&checkpoint.weights), AdamW::new(&checkpoint.weights)));
     }
 
     #[test]
@@ -338,7 +357,7 @@ mod tests {
         checkpoint.save(&path, Moments::Exact).unwrap();
         assert_eq!(Checkpoint::load(&path).unwrap(), checkpoint);
         checkpoint.save(&path, Moments::Without).unwrap();
-        assert_eq!(Checkpoint::load(&path).unwrap().weights, in_half(checkpoint.best()));
+        assert_eq!(Checkpoint::load(&path).unwrap().weights, in_bytes(checkpoint.best()));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use tract_onnx::pb;
 use tract_onnx::prelude::f16;
 
 use crate::TrainError;
-use crate::nets::{Conv, End, Form, Graph, NORM_EPSILON, Node, VIEWS, Weights};
+use crate::nets::{Bytes, Conv, End, Form, Graph, NORM_EPSILON, Node, VIEWS, Weights};
 use crate::ops::Patch;
 
 const OPSET: i64 = 17;
@@ -125,14 +125,11 @@ impl Writer {
     }
 
     fn bytes(&mut self, name: &str, dims: &[usize], values: &[f32]) {
-        let channels = || values.chunks(values.len() / dims[0]);
-        let step = |channel: &[f32]| channel.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs())) / 127.0;
-        let steps: Vec<f32> = channels().map(step).collect();
-        let raw_data =
-            channels().zip(&steps).flat_map(|(of, step)| of.iter().map(move |v| (v / step).round() as i8 as u8));
+        let bytes = Bytes::of(values, dims[0]);
         let [kept, scale] = [format!("{name}.bytes"), format!("{name}.steps")];
-        self.array(&kept, dims, pb::tensor_proto::DataType::Int8, raw_data.collect());
-        self.floats(&scale, &dims[..1], &steps);
+        let raw_data = bytes.values.iter().map(|v| *v as u8).collect();
+        self.array(&kept, dims, pb::tensor_proto::DataType::Int8, raw_data);
+        self.floats(&scale, &dims[..1], &bytes.steps);
         self.node("DequantizeLinear", &[&kept, &scale], name, vec![int("axis", 0)]);
     }
 

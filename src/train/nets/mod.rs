@@ -10,7 +10,7 @@ mod weights;
 use serde::{Deserialize, Serialize};
 
 pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, thinning, values, zeros};
-pub use weights::{Tensor32, Weights};
+pub use weights::{Bytes, Tensor32, Weights};
 
 use crate::TrainError;
 

@@ -32,6 +32,31 @@ impl Tensor32 {
     }
 }
 
+/// Values in 8 bits: each of so many channels has a step of its own.
+pub struct Bytes {
+    /// Multiples of the channels' steps.
+    pub values: Vec<i8>,
+    /// The steps.
+    pub steps: Vec<f32>,
+}
+
+impl Bytes {
+    /// The nearest to these values.
+    pub fn of(values: &[f32], channels: usize) -> Self {
+        let each = || values.chunks((values.len() / channels).max(1));
+        let step = |channel: &[f32]| channel.iter().fold(f32::MIN_POSITIVE, |most, v| most.max(v.abs())) / 127.0;
+        let steps: Vec<f32> = each().map(step).collect();
+        let rounded = each().zip(&steps).flat_map(|(of, step)| of.iter().map(move |v| (v / step).round() as i8));
+        Self { values: rounded.collect(), steps }
+    }
+
+    /// The values that they stand for.
+    pub fn floats(&self) -> Vec<f32> {
+        let each = self.values.chunks((self.values.len() / self.steps.len().max(1)).max(1)).zip(&self.steps);
+        each.flat_map(|(of, step)| of.iter().map(move |v| f32::from(*v) * step)).collect()
+    }
+}
+
 /// All arrays of a net.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Weights {

@@ -79,7 +79,7 @@ impl Patch {
 
     /// Zeros before and after an axis, for kernels of so many taps.
     pub(crate) fn margins(self, side: usize) -> [usize; 2] {
-        let all = (side - 1) * self.dilation + 1 - self.stride().min((side - 1) * self.dilation + 1);
+        let all = ((side - 1) * self.dilation + 1).saturating_sub(self.stride());
         [all / 2, all - all / 2]
     }
 }

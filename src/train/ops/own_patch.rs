@@ -127,13 +127,6 @@ impl SavedPatch {
         (weights, x)
     }
 
-    /// An array like the input, each sample of it made from that of the result's gradient.
-    fn samples(&self, gz: &[f32], make: impl Fn((&[f32], &mut [f32])) + Send + Sync) -> Vec<f32> {
-        let mut x = zeros(self.shape.samples * self.shape.input_len());
-        gz.par_chunks(self.shape.output_len()).zip(x.par_chunks_mut(self.shape.input_len())).for_each(make);
-        x
-    }
-
     /// The same where each channel is convolved by itself.
     fn each(&self, gz: &[f32], wants_x: bool) -> (Vec<f32>, Option<Vec<f32>>) {
         let (shape, patches) = (&self.shape, &self.shape.patches);
@@ -148,7 +141,7 @@ impl SavedPatch {
         };
         let mut weights = zeros(channels * taps);
         weights.par_chunks_mut(taps).enumerate().for_each(of_channel);
-        (weights, wants_x.then(|| if patches.stride == [1; 2] { self.turned(gz) } else { self.spread(gz) }))
+        (weights, wants_x.then(|| if patches.stride == [1; 2] { self.turned(gz) } else { self.spread_all(gz) }))
     }
 
     /// The gradient of the input of such a convolution of stride 1: one with the kernels turned round.
@@ -162,7 +155,7 @@ impl SavedPatch {
     }
 
     /// The same of any stride, tap by tap.
-    fn spread(&self, gz: &[f32]) -> Vec<f32> {
+    fn spread_all(&self, gz: &[f32]) -> Vec<f32> {
         let patches = &self.shape.patches;
         let (plane, taps) = (patches.size[0] * patches.size[1], patches.kernel[0] * patches.kernel[1]);
         let mut to_x = zeros(self.shape.samples * self.shape.input_len());
@@ -171,6 +164,13 @@ impl SavedPatch {
             kernel.iter().enumerate().for_each(|(tap, w)| spread(patches, tap, gz, *w, to_x));
         });
         to_x
+    }
+
+    /// An array like the input, each sample of it made from that of the result's gradient.
+    fn samples(&self, gz: &[f32], make: impl Fn((&[f32], &mut [f32])) + Send + Sync) -> Vec<f32> {
+        let mut x = zeros(self.shape.samples * self.shape.input_len());
+        gz.par_chunks(self.shape.output_len()).zip(x.par_chunks_mut(self.shape.input_len())).for_each(make);
+        x
     }
 }
 
@@ -198,13 +198,11 @@ fn correlation(patches: &Patches, tap: usize, x: &[f32], gz: &[f32]) -> f32 {
         let gz = &gz[at];
         if patches.stride[1] == 1 {
             let x = &x[from..][..gz.len()];
-            let (whole, rest) = (x.chunks_exact(LANES), x.chunks_exact(LANES).remainder());
-            for (x, gz) in whole.zip(gz.chunks_exact(LANES)) {
-                sums.iter_mut().zip(x.iter().zip(gz)).for_each(|(sum, (x, gz))| *sum += x * gz);
-            }
-            sums.iter_mut()
-                .zip(rest.iter().zip(&gz[gz.len() - rest.len()..]))
-                .for_each(|(sum, (x, gz))| *sum += x * gz);
+            let (x, gz) = (x.as_chunks::<LANES>(), gz.as_chunks::<LANES>());
+            let mut add =
+                |x: &[f32], gz: &[f32]| sums.iter_mut().zip(x.iter().zip(gz)).for_each(|(sum, (x, gz))| *sum += x * gz);
+            x.0.iter().zip(gz.0).for_each(|(x, gz)| add(x, gz));
+            add(x.1, gz.1);
         } else {
             sums[0] += x[from..].iter().step_by(patches.stride[1]).zip(gz).map(|(x, gz)| x * gz).sum::<f32>();
         }
