@@ -12,7 +12,7 @@ suffix-px = {" "}px
 suffix-px-view = {" "}px/Ansicht
 suffix-m = {" "}m
 suffix-s = {" "}s
-language-unreadable = eine Sprache kann nicht gelesen werden — sie ist keine Textdatei, oder ihr Name ist der keiner Sprache — nennen Sie sie wie de.ftl oder pt-BR.ftl: { $path }
+language-unreadable = eine Sprache kann nicht gelesen werden — sie ist keine Textdatei, öffnet zu viele Klammern in einem Text, oder ihr Name ist der keiner Sprache — nennen Sie sie wie de.ftl oder pt-BR.ftl: { $path }
 language-damaged = { $count ->
     [one] Ein Text einer Sprache kann nicht gelesen werden, in Zeile { $line }: { $path }
    *[other] { $count } Texte einer Sprache können nicht gelesen werden, der erste in Zeile { $line }: { $path }

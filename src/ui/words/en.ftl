@@ -12,7 +12,7 @@ suffix-px = {" "}px
 suffix-px-view = {" "}px/view
 suffix-m = {" "}m
 suffix-s = {" "}s
-language-unreadable = a language cannot be read — it is no text file, or its name is no language’s — name it as de.ftl or pt-BR.ftl: { $path }
+language-unreadable = a language cannot be read — it is no text file, opens too many braces in one text, or its name is no language’s — name it as de.ftl or pt-BR.ftl: { $path }
 language-damaged = { $count ->
     [one] One text of a language cannot be read, in line { $line }: { $path }
    *[other] { $count } texts of a language cannot be read, the first in line { $line }: { $path }
