@@ -80,10 +80,12 @@ pub(super) fn of_program(package: &Package) -> Result<Vec<Crate>> {
     Ok(crates)
 }
 
-/// Every crate with its licence, then every text once with the crates that bring it.
-pub(super) fn licences(crates: &[Crate]) -> Result<Vec<u8>> {
-    let mut text =
-        "Plenoscope is licensed under MIT or Apache-2.0, as you like. It contains these crates:\n\n".to_owned();
+/// What is said of the nets, every crate with its licence, then every text once with the crates that bring it.
+pub(super) fn licences(root: &Path, crates: &[Crate]) -> Result<Vec<u8>> {
+    let nets = fs::read_to_string(root.join("models/NOTICE"))?;
+    let mut text = format!(
+        "Plenoscope is licensed under MIT or Apache-2.0, as you like.\n\n{nets}\nIt contains these crates:\n\n"
+    );
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for one in crates {
         let Some(licence) = one.license.as_ref().or(one.license_file.as_ref()) else {

@@ -102,6 +102,8 @@ fn copyright(package: &Package) -> Result<String> {
         "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: Plenoscope\n\
          Comment: The crates in the program, with their licences: licences-of-crates.txt.gz beside this file.\n\n\
          Files: *\nCopyright: the Plenoscope contributors\nLicense: Expat or Apache-2.0\n\n\
+         Files: models/everyday/*\nCopyright: the Plenoscope contributors; the TensorFlow Authors (its encoder)\n\
+         License: Apache-2.0\n\n\
          Files: src/ui/fonts/*\nCopyright: the Inter Project Authors\nLicense: OFL-1.1\n\n\
          License: Expat\n{}\n\nLicense: Apache-2.0\n See /usr/share/common-licenses/Apache-2.0.\n\nLicense: OFL-1.1\n{}\n",
         indented("LICENSE-MIT")?,

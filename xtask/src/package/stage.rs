@@ -53,7 +53,7 @@ impl Stage {
         }
         run(Command::new(&program).args(["man", "-o"]).arg(stage.usr.join("share/man/man1")))?;
         run(Command::new(&program).args(["icons", "-o"]).arg(stage.usr.join("share/icons/hicolor")))?;
-        stage.put("share/doc/plenoscope/licences-of-crates.txt", &crates::licences(crates)?)?;
+        stage.put("share/doc/plenoscope/licences-of-crates.txt", &crates::licences(&package.root, crates)?)?;
         Ok(stage)
     }
 
