@@ -52,7 +52,7 @@ size_budget() {
     strip -o "$small" "$program" && bytes=$(wc -c <"$small")
     rm -f "$small"
     [ "${bytes:-0}" -gt 0 ] || return 1
-    [ "$bytes" -le 60000000 ] || { echo "the program has $bytes bytes, more than 60 million: see docs/building.md"; return 1; }
+    [ "$bytes" -le 64000000 ] || { echo "the program has $bytes bytes, more than 64 million: see docs/building.md"; return 1; }
 }
 
 # The program's crates on this system; docs/building.md says why each counts.
