@@ -34,10 +34,11 @@ unexpected_cfgs = "allow"
 [profile.dev]
 opt-level = 1
 END
-for room in field/mod.rs job.rs kernel/mod.rs; do
-    name=${room%/mod.rs}
-    printf '#[path = "%s/src/%s"]\npub mod %s;\n' "$root" "$room" "${name%.rs}"
-done >"$package/src/lib.rs"
+rm -f "$package"/src/*
+for room in field job job.rs kernel; do
+    ln -s "$root/src/$room" "$package/src/$room"
+done
+printf 'pub mod %s;\n' field job kernel >"$package/src/lib.rs"
 cp Cargo.lock "$package/Cargo.lock"
 how=$1
 shift

@@ -11,6 +11,7 @@ const CONTEXT_WIDTHS: [usize; 5] = [16, 32, 80, 160, 224];
 const DEEPER: [&[usize]; 2] = [&[0, 2, 2, 0, 4], &[2, 2, 6, 5]];
 /// Those of the nets for tests.
 const TINY_DEEP: [&[usize]; 2] = [&[0, 0, 2], &[1; 2]];
+
 /// Builds a graph node by node.
 pub(super) struct Builder {
     nodes: Vec<Node>,
@@ -98,12 +99,11 @@ fn u_net(arch: Arch, widths: &[usize], [down, up]: [&[usize]; 2], encoder: Optio
     let mut skips = Vec::new();
     let deepest = widths.len() - 1;
     for (level, &width) in widths.iter().enumerate() {
-        let from = if level > 0 { net.pool() } else { 0 };
+        let mut from = if level > 0 { net.pool() } else { 0 };
         let dilations: &[usize] = if level == deepest { &[1, 2, 4] } else { &[1, 1] };
         for (i, &dilation) in dilations.iter().enumerate() {
-            let from = if i == 0 { from } else { net.last() };
             let conv = Conv::full(format!("down{level}_{i}"), net.channels[from], width, End::NormElu);
-            net.conv_of(from, Conv { dilation, ..conv });
+            from = net.conv_of(from, Conv { dilation, ..conv });
         }
         let (name, farthest) = if level == deepest { ("deepest".to_owned(), 2) } else { (format!("down{level}"), 1) };
         net.refine(&name, down.get(level).copied().unwrap_or(0), farthest);

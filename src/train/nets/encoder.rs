@@ -52,8 +52,8 @@ impl Encoder {
     pub(super) const TINY: Self =
         Self { stem: 4, stages: &[stage(3, [1, 1], 1, 4, 1), stage(5, [2, 1], 2, 6, 2), stage(3, [1, 2], 2, 6, 2)] };
 
-    /// Adds its nodes. Returns the last node of each size, of the deepest all from there on that change the channels, each
-    /// with how often the picture was halved.
+    /// Adds its nodes. Returns the last node of each size, and the last one before the dilated stages, each with how often the
+    /// picture was halved.
     pub(super) fn build(&self, net: &mut Builder) -> Vec<(usize, usize)> {
         let stem = Form::Patch { side: 3, stride: 2, each: false };
         let mut level = 1;
