@@ -115,11 +115,10 @@ impl<'a> Pass<'a> {
                 };
                 said().map_err(failed)
             }
-            End::Settled { clamped } => {
+            End::Settled { .. } => {
                 let [gamma, beta] = [self.leaf(conv, "gamma")?, self.leaf(conv, "beta")?];
                 let [mean, var] = [self.array(conv, "mean")?, self.array(conv, "var")?];
-                let how = Patch { form: conv.form, dilation: conv.dilation, clamped };
-                settled_conv(x, &weight, [gamma, beta, mean, var], how).map_err(failed)
+                settled_conv(x, &weight, [gamma, beta, mean, var], conv.patch()).map_err(failed)
             }
             End::NormElu => {
                 let [gamma, beta] = [self.leaf(conv, "gamma")?, self.leaf(conv, "beta")?];
@@ -212,8 +211,8 @@ fn padded_conv(x: &Tensor, weight: &Tensor, bias: Option<&Tensor>, dilation: usi
 /// A zero-padded convolution of settled normalisation.
 fn settled_conv(x: &Tensor, weight: &Tensor, norm: [Tensor; 4], how: Patch) -> Result<Tensor, TchError> {
     let [gamma, beta, mean, var] = norm;
-    let (outputs, _, side, _) = weight.size4()?;
-    let [before, after] = how.margins(side as usize).map(|n| n as i64);
+    let (outputs, ..) = weight.size4()?;
+    let [before, after] = how.margins().map(|n| n as i64);
     let padded = x.f_constant_pad_nd([before, after, before, after])?;
     let groups = if how.each() { outputs } else { 1 };
     let (stride, dilation) = (how.stride() as i64, how.dilation as i64);

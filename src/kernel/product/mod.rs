@@ -1,5 +1,7 @@
 //! Matrix products: of activations with constant weights, in attention, and as convolutions that are no 3×3.
 
+use std::mem::MaybeUninit;
+
 pub(in crate::kernel) mod attention;
 mod dense;
 pub(in crate::kernel) mod depthwise;
@@ -17,8 +19,6 @@ pub use inverted::Inverted;
 pub use panels::Panels;
 pub use patches::Patches;
 pub use project::{Columns, Project};
-
-use std::mem::MaybeUninit;
 
 /// An array as a place for results; nothing but values is written there.
 fn room(out: &mut [f32]) -> &mut [MaybeUninit<f32>] {

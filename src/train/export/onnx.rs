@@ -8,7 +8,6 @@ use tract_onnx::prelude::f16;
 
 use crate::TrainError;
 use crate::nets::{Bytes, Conv, End, Form, Graph, NORM_EPSILON, Node, VIEWS, Weights};
-use crate::ops::Patch;
 
 const OPSET: i64 = 17;
 const IR_VERSION: i64 = 8;
@@ -156,8 +155,7 @@ impl Writer {
         let (from, attributes) = match conv.form {
             Form::Full => (self.pad(from, name, &dilations), self.full(dilations)),
             Form::Patch { side, stride, each } => {
-                let how = Patch { form: conv.form, dilation: conv.dilation, clamped: false };
-                let [before, after] = how.margins(side).map(|n| n as i64);
+                let [before, after] = conv.patch().margins().map(|n| n as i64);
                 let mut attributes = vec![
                     ints("kernel_shape", vec![side as i64; 2]),
                     ints("dilations", dilations),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{Conv, End, Graph, Node, Weights};
 use crate::TrainError;
 use crate::device;
-use crate::ops::{self, Patch, Path};
+use crate::ops::{self, Path};
 use crate::rng::Rng;
 
 /// Added to variances before the root, as in the paper's framework.
@@ -131,10 +131,9 @@ impl<'a> Tape<'a> {
                 let bias = self.leaf1(&format!("{}.bias", conv.name))?.select(0, rows.clone());
                 Ok(ops::conv_tanh(x, weight.select(0, rows), bias, (conv.dilation, scale), self.path))
             }
-            (End::Settled { clamped }, _) => {
+            (End::Settled { .. }, _) => {
                 let norm = self.vectors(conv, ["gamma", "beta", "mean", "var"])?;
-                let how = Patch { form: conv.form, dilation: conv.dilation, clamped };
-                Ok(ops::conv_settled(x, weight, norm, how, self.path))
+                Ok(ops::conv_settled(x, weight, norm, conv.patch(), self.path))
             }
             _ => self.finish(conv, x, weight),
         }

@@ -13,6 +13,7 @@ pub use forward::{ByArray, Mode, NORM_EPSILON, Statistics, Tape, thinning, value
 pub use weights::{Bytes, Tensor32, Weights};
 
 use crate::TrainError;
+use crate::ops::Patch;
 
 /// Views of the light field that a depth net describes: the paper's 8 × 8.
 pub const VIEWS: usize = 64;
@@ -171,6 +172,11 @@ impl Conv {
             Form::Full => [self.outputs, self.inputs].into_iter().chain(vec![3; rank]).collect(),
             Form::Patch { side, each, .. } => vec![self.outputs, if each { 1 } else { self.inputs }, side, side],
         }
+    }
+
+    /// How the operations do it where it is zero padded.
+    pub fn patch(&self) -> Patch {
+        Patch { form: self.form, dilation: self.dilation, clamped: self.end == End::Settled { clamped: true } }
     }
 
     /// Products of one value of the result.

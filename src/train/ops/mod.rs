@@ -77,9 +77,10 @@ impl Patch {
         matches!(self.form, Form::Patch { each: true, .. })
     }
 
-    /// Zeros before and after an axis, for kernels of so many taps.
-    pub(crate) fn margins(self, side: usize) -> [usize; 2] {
-        let all = ((side - 1) * self.dilation + 1).saturating_sub(self.stride());
+    /// Zeros before and after an axis.
+    pub(crate) fn margins(self) -> [usize; 2] {
+        let Form::Patch { side, stride, .. } = self.form else { return [0; 2] };
+        let all = ((side - 1) * self.dilation + 1).saturating_sub(stride);
         [all / 2, all - all / 2]
     }
 }

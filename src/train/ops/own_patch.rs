@@ -35,7 +35,7 @@ struct Shape {
 impl Shape {
     fn of(x: &[usize], weight: &[usize], how: Patch) -> Self {
         let (side, stride) = (weight[2], how.stride());
-        let [before, _] = how.margins(side);
+        let [before, _] = how.margins();
         let patches = Patches {
             channels: x[1],
             size: [x[2], x[3]],

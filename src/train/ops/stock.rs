@@ -66,8 +66,8 @@ pub(super) fn conv_elu<const D: usize>(x: Tensor<D>, weight: Tensor<D>, bias: Te
 }
 
 pub(super) fn conv_patch(x: Tensor<4>, weight: Tensor<4>, bias: Tensor<1>, how: Patch) -> Tensor<4> {
-    let [outputs, _, side, _] = weight.dims();
-    let [before, after] = how.margins(side);
+    let outputs = weight.dims()[0];
+    let [before, after] = how.margins();
     let padded = x.pad([(before, after), (before, after)], PadMode::Constant(0.0));
     let groups = if how.each() { outputs } else { 1 };
     let (stride, dilation) = (how.stride(), how.dilation);
