@@ -61,13 +61,14 @@ fn winograd(bencher: Bencher, layer: usize) {
     let channels = [shape.channels_in, shape.channels_out];
     let (weights, bias, x) = (numbers(shape.weights_len()), numbers(channels[1]), numbers(shape.input_len()));
     let ConvShape { views, height, width, dilation, padding, .. } = shape;
-    let layer = Layer { weights: &weights, bias: &bias, channels, dilation, padding, activation: Activation::Elu };
+    let (activation, is_residual) = (Activation::Elu, false);
+    let layer = Layer { weights: &weights, bias: &bias, channels, dilation, padding, activation, is_residual };
     let mut out: Vec<_> = std::iter::repeat_with(std::mem::MaybeUninit::uninit).take(shape.output_len()).collect();
     let bencher = bencher.counter(ItemsCount::new(shape.flop() as usize));
     if shape.kernel == Kernel::Volume {
         let chain = VolumeChain::new(&[layer], Isa::best());
         bencher.bench_local(|| chain.run_slice(&x, [views, height, width], &mut out, None));
-    } else if PlaneChain::pays(channels) {
+    } else if PlaneChain::pays_alone(channels) {
         let chain = PlaneChain::new(&[layer], Isa::best());
         bencher.bench_local(|| chain.run(&x, [height, width], &mut out, None));
     }

@@ -216,6 +216,7 @@ fn direct_and_winograd_convolutions_stay_inside_their_memory() {
             dilation,
             padding: Padding::Zero,
             activation: Activation::None,
+            is_residual: channels[0] == channels[1],
         };
         alike(&format!("Winograd's, {channels:?} {size:?}"), |isa| {
             let chain = PlaneChain::new(&[layer], isa);

@@ -78,6 +78,27 @@ fn last_bits(scan: &Segment) -> Option<(Vec<u8>, u64)> {
     Some((components, (0..64).map(brings).fold(0, |all, one: u64| all | one)))
 }
 
+/// The header of a frame: size in pixels, and each component's name and sampling factors (ITU-T T.81, B.2.2).
+struct Frame {
+    size: [u64; 2],
+    components: Vec<(u8, [u64; 2])>,
+}
+
+impl Frame {
+    fn read(segment: &Segment) -> Option<Self> {
+        let number = |at: usize| Some(u64::from(u16::from_be_bytes(*segment.data.get(at..)?.first_chunk()?)));
+        let factors = |component: &[u8]| (component[0], [component[1] >> 4, component[1] & 15].map(u64::from));
+        let components = segment.data.get(6..)?.chunks_exact(3).map(factors).collect();
+        Some(Self { size: [number(3)?, number(1)?], components })
+    }
+
+    /// Blocks of a component of these factors in a scan of its own; of factors 1, the units of a common scan (T.81, A.2).
+    fn blocks(&self, [across, down]: [u64; 2]) -> u64 {
+        let most = |axis: usize| self.components.iter().map(|(_, by)| by[axis]).max().unwrap_or(1).max(1);
+        (self.size[0] * across).div_ceil(8 * most(0)) * (self.size[1] * down).div_ceil(8 * most(1))
+    }
+}
+
 impl<'a> JpegParts<'a> {
     fn with_head(&self, marker: u8, head: &'static [u8]) -> impl Iterator<Item = &'a [u8]> + use<'a, '_> {
         self.segments.iter().filter(move |s| s.marker == marker).filter_map(move |s| s.data.strip_prefix(head))
@@ -88,15 +109,22 @@ impl<'a> JpegParts<'a> {
         self.segments.iter().any(|segment| segment.marker == PROGRESSIVE_FRAME)
     }
 
+    fn progressive_frame(&self) -> Option<Frame> {
+        Frame::read(self.segments.iter().find(|segment| segment.marker == PROGRESSIVE_FRAME)?)
+    }
+
+    /// Numbers that are held until the last pass of a progressive picture is read.
+    pub(crate) fn held_numbers(&self) -> Option<u64> {
+        let frame = self.progressive_frame()?;
+        Some(64 * frame.blocks([1, 1]) * frame.components.iter().map(|(_, [across, down])| across * down).sum::<u64>())
+    }
+
     /// Whether the passes of a progressive picture are all there: for each component the last bit of its means and of all
     /// its other coefficients (ITU-T T.81, G.1.1).
     pub(crate) fn has_all_passes(&self) -> bool {
-        let Some(frame) = self.segments.iter().find(|segment| segment.marker == PROGRESSIVE_FRAME) else {
-            return false;
-        };
-        let components = frame.data.get(6..).unwrap_or_default().chunks_exact(3).map(|component| component[0]);
+        let Some(frame) = self.progressive_frame() else { return false };
         let scans = self.segments.iter().filter(|segment| segment.marker == START_OF_SCAN).filter_map(last_bits);
-        let mut done: Vec<(u8, u64)> = components.map(|component| (component, 0)).collect();
+        let mut done: Vec<(u8, u64)> = frame.components.iter().map(|&(component, _)| (component, 0)).collect();
         for (of, coefficients) in scans {
             for (component, done) in &mut done {
                 *done |= if of.contains(component) { coefficients } else { 0 };
@@ -104,24 +132,16 @@ impl<'a> JpegParts<'a> {
         }
         let is_full = !done.is_empty() && done.iter().all(|(_, done)| *done == u64::MAX);
         // The first pass has a code of at least one bit for each block.
-        is_full && self.first_pass_blocks(frame).is_none_or(|blocks| blocks <= 8 * self.first_scan_bytes as u64)
+        is_full && self.first_pass_blocks(&frame).is_none_or(|blocks| blocks <= 8 * self.first_scan_bytes as u64)
     }
 
-    /// Blocks of 8×8 numbers in the first scan, by the size in the header (T.81, A.2).
-    fn first_pass_blocks(&self, frame: &Segment) -> Option<u64> {
-        let number = |at: usize| Some(u64::from(u16::from_be_bytes(*frame.data.get(at..)?.first_chunk()?)));
-        let (height, width) = (number(1)?, number(3)?);
-        let factors = |component: &[u8]| (component[0], [component[1] >> 4, component[1] & 15].map(u64::from));
-        let all: Vec<(u8, [u64; 2])> = frame.data.get(6..)?.chunks_exact(3).map(factors).collect();
-        let most = [0, 1].map(|axis| all.iter().map(|(_, by)| by[axis]).max().unwrap_or(1).max(1));
+    /// Blocks of 8×8 numbers in the first scan, by the size in the header.
+    fn first_pass_blocks(&self, frame: &Frame) -> Option<u64> {
         let (of, _) = last_bits(self.segments.iter().find(|segment| segment.marker == START_OF_SCAN)?)?;
-        let scanned: Vec<[u64; 2]> = all.iter().filter(|(name, _)| of.contains(name)).map(|&(_, by)| by).collect();
-        Some(match scanned[..] {
-            [[across, down]] => (width * across).div_ceil(8 * most[0]) * (height * down).div_ceil(8 * most[1]),
-            _ => {
-                let units = width.div_ceil(8 * most[0]) * height.div_ceil(8 * most[1]);
-                units * scanned.iter().map(|[across, down]| across * down).sum::<u64>()
-            }
+        let scanned = || frame.components.iter().filter(|(name, _)| of.contains(name)).map(|&(_, by)| by);
+        Some(match (scanned().next(), scanned().count()) {
+            (Some(by), 1) => frame.blocks(by),
+            _ => frame.blocks([1, 1]) * scanned().map(|[across, down]| across * down).sum::<u64>(),
         })
     }
 

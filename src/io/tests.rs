@@ -242,6 +242,24 @@ fn a_jpeg_whose_data_end_early_opens_with_a_warning_and_a_whole_one_without() {
 }
 
 #[test]
+fn a_progressive_jpeg_holds_as_many_numbers_as_its_sampling_says() {
+    let held = |progressive: bool, sampling| {
+        let mut bytes = Vec::new();
+        let mut encoder = JpegEncoder::new(&mut bytes, 80);
+        encoder.set_progressive(progressive);
+        encoder.set_sampling_factor(sampling);
+        encoder.encode(&[9; 3 * 160 * 130], 160, 130, JpegColor::Rgb).unwrap();
+        jpeg_parts::parse(&bytes).held_numbers()
+    };
+    // 130 rows are 17 of blocks, or 9 of units of two.
+    assert_eq!(
+        [held(true, SamplingFactor::F_1_1), held(true, SamplingFactor::F_2_2)],
+        [Some(3 * 160 * 136), Some(160 * 144 * 3 / 2)]
+    );
+    assert_eq!(held(false, SamplingFactor::F_2_2), None);
+}
+
+#[test]
 fn headers_that_lie_about_their_size_are_refused_at_once() {
     // A PNG whose header says 30,000 × 30,000, with the right checksum, and whose data begin.
     let mut header = Vec::new();

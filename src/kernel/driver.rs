@@ -1,6 +1,7 @@
 //! Cuts a convolution into blocks of rows, and rows into tiles.
 
 use std::mem::MaybeUninit;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -37,6 +38,8 @@ struct Plan {
     tap_columns: usize,
     /// Rows of a block; a block goes through all views, so that its neighbours in the next view are still in cache.
     block_rows: usize,
+    /// Blocks of channels that a task has. Of a few short rows each task has some channels, whose weights it reads once.
+    task_channels: usize,
     bias: Vec<f32>,
 }
 
@@ -57,19 +60,23 @@ impl Valid<'_> {
         assert!(self.ending.summand.is_none_or(|summand| summand.len() == out.len()), "length of the summand");
         let out = SendPtr(out.as_mut_ptr().cast());
         let blocks = rows.div_ceil(plan.block_rows);
+        let channel_blocks = channels.div_ceil(BLOCK);
+        let parts = channel_blocks.div_ceil(plan.task_channels);
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
         let block = |task: usize, sums: &mut [[f64; 2]]| {
-            let first = task % blocks * plan.block_rows;
-            let rows = first..(first + plan.block_rows).min(rows);
+            let piece = |number: usize, len: usize, all: usize| number * len..((number + 1) * len).min(all);
+            let (image, place) = (task / (blocks * parts), task % (blocks * parts));
+            let rows = piece(place % blocks, plan.block_rows, rows);
+            let channels = piece(place / blocks, plan.task_channels, channel_blocks);
             if !stopped() {
-                self.block(&plan, task / blocks, rows, out, sums);
+                self.block(&plan, image, rows, channels, (out, sums));
             }
         };
         let mut total = Vec::new();
         if sums {
-            total = summed(batch * blocks, channels, block);
+            total = summed(batch * blocks * parts, channels, block);
         } else {
-            team::each(batch * blocks, |task| block(task, &mut []));
+            team::each(batch * blocks * parts, |task| block(task, &mut []));
         }
         if stopped() { Err(Cancelled) } else { Ok(total) }
     }
@@ -88,42 +95,49 @@ impl Valid<'_> {
                 }
             }
         }
-        let block_rows = if size[0] > 1 {
-            8
-        } else if size[2] <= self.isa.lanes() {
-            3
+        let channel_blocks = self.weights.channels_out.div_ceil(BLOCK);
+        let wanted = 2 * rayon::current_num_threads();
+        let is_narrow = size[0] == 1 && size[2] <= self.isa.lanes();
+        let (block_rows, task_channels) = if is_narrow && channel_blocks >= 2 * wanted {
+            (size[1], channel_blocks.div_ceil(wanted))
+        } else if is_narrow {
+            (3, channel_blocks)
         } else {
-            2
+            (if size[0] > 1 { 8 } else { 2 }, channel_blocks)
         };
         let mut bias = self.bias.to_vec();
         bias.resize(self.weights.channels_out.next_multiple_of(BLOCK), 0.0);
-        Plan { size, taps, tap_columns: extent[2], block_rows, bias }
+        Plan { size, taps, tap_columns: extent[2], block_rows, task_channels, bias }
     }
 
-    /// Some rows of one picture, all views, all channels.
-    fn block(&self, plan: &Plan, image: usize, rows: std::ops::Range<usize>, out: SendPtr, sums: &mut [[f64; 2]]) {
+    /// Some rows of one picture, all views, some blocks of channels.
+    fn block(
+        &self,
+        plan: &Plan,
+        image: usize,
+        rows: Range<usize>,
+        blocks: Range<usize>,
+        (out, sums): (SendPtr, &mut [[f64; 2]]),
+    ) {
         let [views, height, width] = plan.size;
         let plane = views * height * width;
         let image_out = image * self.weights.channels_out * plane;
         let together = if width <= self.isa.lanes() { 3 } else { 1 };
+        let channels = blocks.start * BLOCK..(blocks.end * BLOCK).min(self.weights.channels_out);
         for view in 0..views {
             for y in rows.clone().step_by(together) {
                 let last = (y + together).min(rows.end);
                 let next = if last < rows.end { (view, last) } else { ((view + 1).min(views - 1), rows.start) };
                 let next = &self.x.row(image, next.0, next.1)[0];
-                // SAFETY: the rows y..last of this picture and view belong to this task alone.
+                // SAFETY: these channels of the rows y..last of this picture and view belong to this task alone.
                 let out = unsafe { out.at(image_out + (view * height + y) * width) };
-                self.rows(plan, self.x.row(image, view, y), last - y, out, next);
+                self.rows(plan, (self.x.row(image, view, y), last - y), blocks.clone(), out, next);
             }
             if self.ending.is_some() {
                 let first = image_out + (view * height + rows.start) * width;
-                self.end(
-                    out,
-                    (0..self.weights.channels_out).map(|channel| first + channel * plane),
-                    rows.len() * width,
-                );
+                self.end(out, channels.clone().map(|channel| first + channel * plane), rows.len() * width);
             }
-            for (channel, sums) in sums.iter_mut().enumerate() {
+            for (channel, sums) in sums.iter_mut().enumerate().take(channels.end).skip(channels.start) {
                 // SAFETY: written above, by this task.
                 let written = unsafe {
                     let first = out.at(image_out + channel * plane + (view * height + rows.start) * width);
@@ -145,8 +159,8 @@ impl Valid<'_> {
         }
     }
 
-    /// One row of the result, all channels; or up to three rows that are no wider than a vector.
-    fn rows(&self, plan: &Plan, x: &[f32], rows: usize, out: *mut f32, next_row: *const f32) {
+    /// One row of the result, some blocks of channels; or up to three rows that are no wider than a vector.
+    fn rows(&self, plan: &Plan, (x, rows): (&[f32], usize), blocks: Range<usize>, out: *mut f32, next_row: *const f32) {
         let lanes = self.isa.lanes();
         let [views, height, width] = plan.size;
         let narrow = width <= lanes;
@@ -176,20 +190,19 @@ impl Valid<'_> {
                 activation: self.activation,
             };
             // SAFETY: the row has room for the pixels from `at` on.
-            self.tiles(plan, &mut tile, unsafe { out.add(at) }, next);
+            self.tiles(plan, &mut tile, blocks.clone(), unsafe { out.add(at) }, next);
         }
     }
 
-    /// All channels of the result at the pixels of one tile; meanwhile the input of the next one is fetched.
-    fn tiles(&self, plan: &Plan, tile: &mut Tile, out: *mut f32, next: *const f32) {
-        let blocks = self.weights.channels_out.div_ceil(BLOCK);
+    /// Some blocks of channels of the result at the pixels of one tile; meanwhile the input of the next one is fetched.
+    fn tiles(&self, plan: &Plan, tile: &mut Tile, blocks: Range<usize>, out: *mut f32, next: *const f32) {
         let tap_rows = plan.taps.len() / plan.tap_columns;
         let segments = tap_rows * tile.channels_in;
-        let per_block = segments.div_ceil(blocks);
+        let per_block = segments.div_ceil(blocks.len().max(1));
         // Of a tile's row, and one more as it begins anywhere in the first.
         let lines = (max_vectors(self.isa.lanes(), self.weights.channels_out) * self.isa.lanes() / LINE + 1).min(4);
-        for block in 0..blocks {
-            for segment in block * per_block..((block + 1) * per_block).min(segments) {
+        for (number, block) in blocks.enumerate() {
+            for segment in number * per_block..((number + 1) * per_block).min(segments) {
                 let (row, channel) = (segment / tile.channels_in, segment % tile.channels_in);
                 prefetch(next.wrapping_add(plan.taps[row * plan.tap_columns] + channel * tile.channel_step), lines);
             }

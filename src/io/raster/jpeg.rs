@@ -16,8 +16,9 @@ const SPARE_BYTES: usize = 16;
 /// stands for more pixels. Below [`LITTLE`] pixels nobody counts.
 const MAX_PIXELS_PER_BYTE: u64 = 8 * 64 * 2 / 3;
 const LITTLE: u64 = 8 << 20;
-/// Bytes of a pixel while all passes of a progressive picture are gathered: three numbers of 16 bits, and the pixel.
-const PROGRESSIVE_BYTES: u64 = 3 * 2 + 4;
+/// Bytes of a number while all passes of a progressive picture are gathered, and of a pixel beside them.
+const NUMBER_BYTES: u64 = 2;
+const PIXEL_BYTES: u64 = 4;
 const NOT_WHOLE: &str = "the picture's data are damaged or end early, so a part of it is grey or blurred";
 
 /// Decodes the first picture of a JPEG file.
@@ -54,7 +55,7 @@ pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Pr
     let end = parts.end.ok_or(Problem::Truncated { format: FORMAT })?;
     let bytes = &bytes[..end];
     let (decoder, size, space) = header(bytes)?;
-    check_data(size, parts.is_progressive(), bytes.len())?;
+    check_data(size, parts.held_numbers().unwrap_or(0), bytes.len())?;
     let icc = decoder.icc_profile();
     let rgb_icc = |icc: Option<Vec<u8>>| icc.filter(|icc| color::is_rgb(icc));
     let (pixels, icc, is_whole) = match space {
@@ -85,13 +86,13 @@ pub(crate) fn decode_parts(bytes: &[u8], parts: &JpegParts) -> Result<Raster, Pr
 }
 
 /// Refuses a header whose pixels the data cannot hold, and passes that would not fit into memory together.
-fn check_data(size: [u32; 2], is_progressive: bool, file_bytes: usize) -> Result<(), Problem> {
+fn check_data(size: [u32; 2], held_numbers: u64, file_bytes: usize) -> Result<(), Problem> {
     let [width, height] = size.map(u64::from);
     let pixels = width * height;
     if pixels > LITTLE && pixels > MAX_PIXELS_PER_BYTE * file_bytes as u64 {
         return Err(Problem::Implausible { width, height, file_kib: file_bytes.div_ceil(1024) });
     }
-    if is_progressive && pixels * PROGRESSIVE_BYTES > MAX_DECODED_BYTES {
+    if held_numbers > 0 && held_numbers * NUMBER_BYTES + pixels * PIXEL_BYTES > MAX_DECODED_BYTES {
         return Err(Problem::TooLarge { width, height, limit_mib: MAX_DECODED_BYTES >> 20 });
     }
     Ok(())
@@ -159,15 +160,18 @@ mod tests {
     #[test]
     fn headers_that_the_data_cannot_hold_are_refused() {
         // A header of 49 megapixels over 20 KiB, plain or progressive.
-        for is_progressive in [false, true] {
-            let refused = check_data([7000, 7000], is_progressive, 20 << 10);
+        for held_numbers in [0, 3 * 49_000_000] {
+            let refused = check_data([7000, 7000], held_numbers, 20 << 10);
             assert!(matches!(refused, Err(Problem::Implausible { file_kib: 20, .. })));
         }
         // The flattest picture that there can be, one cut off early, and a small one.
         for (size, bytes) in [([7000, 7000], 150 << 10), ([4000, 3000], 60 << 10), ([2000, 1500], 700)] {
-            assert!(check_data(size, true, bytes).is_ok(), "{size:?}");
+            assert!(check_data(size, 1, bytes).is_ok(), "{size:?}");
         }
-        assert!(matches!(check_data([16_000, 16_000], true, 40 << 20), Err(Problem::TooLarge { .. })));
-        assert!(check_data([16_000, 16_000], false, 40 << 20).is_ok());
+        // Colours at half the size leave room for half as many pixels again; a plain picture holds no numbers.
+        let pixels = 12_288 * 11_000;
+        assert!(matches!(check_data([12_288, 11_000], 3 * pixels, 40 << 20), Err(Problem::TooLarge { .. })));
+        assert!(check_data([12_288, 11_000], pixels * 3 / 2, 40 << 20).is_ok());
+        assert!(check_data([16_000, 16_000], 0, 40 << 20).is_ok());
     }
 }

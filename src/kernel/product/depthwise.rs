@@ -194,7 +194,7 @@ impl Layout {
     pub(super) fn fill(&self, patches: &Patches, plane: &[f32], padded: &mut Vec<f32>) {
         let [height, width] = patches.size;
         let phases = patches.stride[1];
-        padded.clear();
+        // What lies around the picture stays 0 from one channel to the next.
         padded.resize(self.rows * self.row_len + SLACK, 0.0);
         for (row, target) in padded.chunks_exact_mut(self.row_len).enumerate().take(self.rows) {
             let y = row.wrapping_sub(patches.before[0]);
@@ -224,11 +224,14 @@ impl Layout {
 #[inline(always)]
 pub(in crate::kernel) unsafe fn run<V: Vector>(plane: &Plane) {
     let kernel = if plane.shares { plane.taps.len() } else { 0 };
-    let mut y = 0;
-    while y < plane.size[0] {
+    let (mut y, rows_in_all) = (0, plane.size[0]);
+    let whole = rows_in_all >= ROWS;
+    while y < rows_in_all {
+        // Rows of the last few once more take no longer than each by itself.
+        y = if whole { y.min(rows_in_all - ROWS) } else { y };
         // SAFETY: the caller's word.
         unsafe {
-            y += match (plane.size[0] - y >= ROWS, kernel) {
+            y += match (whole, kernel) {
                 (true, 9) => sharing::<V, 3, 9, ROWS>(plane, y),
                 (false, 9) => sharing::<V, 3, 9, 1>(plane, y),
                 (true, 25) => sharing::<V, 5, 25, ROWS>(plane, y),

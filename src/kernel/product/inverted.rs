@@ -162,6 +162,8 @@ impl Inverted<'_> {
         let depthwise = DepthWise { patches: &part, ..self.depthwise };
         let as_it_is = self.widen.is_some() && patches.stride[1] == 1;
         let layout = if as_it_is { Layout::with(&part, plan.row_len) } else { depthwise.layout() };
+        // Zeros stand elsewhere around other rows.
+        padded.clear();
         for channel in 0..depth {
             let from = wide.wrapping_add(LINE + channel * plan.pitch - patches.before[1]);
             let padded = if as_it_is {

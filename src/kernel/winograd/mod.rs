@@ -14,6 +14,7 @@
 pub(super) mod batch;
 mod plane;
 mod plane_components;
+mod plane_order;
 pub(super) mod plane_tile;
 mod transform;
 mod volume;
@@ -24,6 +25,7 @@ pub(super) mod volume_tile;
 mod tests;
 
 pub use plane::PlaneChain;
+pub use plane_order::Planes;
 pub use volume::{Columns, Rows, VolumeChain};
 
 use super::shape::Padding;
@@ -44,4 +46,6 @@ pub struct Layer<'a> {
     pub padding: Padding,
     /// What happens to the sums.
     pub activation: Activation,
+    /// Whether its input is added to what comes out, which has as many channels; in planes alone.
+    pub is_residual: bool,
 }

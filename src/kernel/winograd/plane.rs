@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::mem::MaybeUninit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::plane_order::{Planes, channel_last, transpose};
 use super::plane_tile::{COMPONENTS, GROUP, TILES, TOGETHER, Tiles, scratch_len};
 use super::transform::{POINTS, of_weights};
 use super::{Layer, plane_components};
@@ -14,6 +15,9 @@ use crate::kernel::padded::SendPtr;
 use crate::kernel::shape::Padding;
 use crate::kernel::team;
 use crate::kernel::tile::Activation;
+
+/// Products of channels from which on a layer by itself pays for being brought to channel-last and back.
+const LEAST_ALONE: usize = 1024;
 
 thread_local! {
     /// A thread's transformed tiles.
@@ -37,17 +41,22 @@ struct Ready {
     dilation: usize,
     padding: Padding,
     activation: Activation,
+    is_residual: bool,
 }
 
 impl PlaneChain {
-    /// Whether a convolution with these channels gains by it.
-    pub fn pays([channels_in, channels_out]: [usize; 2]) -> bool {
-        let whole = channels_in.is_multiple_of(GROUP) && channels_out.is_multiple_of(GROUP);
-        whole && channels_in * channels_out >= 1024
+    /// Whether a convolution with these channels can be part of one, where it gains by it.
+    pub fn takes(channels: [usize; 2]) -> bool {
+        channels.iter().all(|channels| channels.is_multiple_of(GROUP))
     }
 
-    /// Transforms the weights of `layers`, all of which [pay](Self::pays); each takes the channels that the one before
-    /// it makes.
+    /// Whether a convolution with these channels gains by it with no other before and behind it.
+    pub fn pays_alone(channels: [usize; 2]) -> bool {
+        Self::takes(channels) && channels[0] * channels[1] >= LEAST_ALONE
+    }
+
+    /// Transforms the weights of `layers`, all of which it [takes](Self::takes); each reads the channels that the one
+    /// before it makes.
     pub fn new(layers: &[Layer], isa: Isa) -> Self {
         Self { isa, layers: layers.iter().map(Ready::new).collect() }
     }
@@ -57,7 +66,7 @@ impl PlaneChain {
         self.layers.last().map_or(0, |layer| layer.channels[1])
     }
 
-    /// Runs the chain on `x` `[c, y, x]` of `[rows, columns]`. After `Ok` every value of `out` is written.
+    /// Runs the chain on `x` `[c, y, x]` of `[rows, columns]`; after `Ok` every value of `out` is written.
     ///
     /// # Errors
     /// [`Cancelled`] once `cancel` is set.
@@ -68,16 +77,17 @@ impl PlaneChain {
         out: &mut [MaybeUninit<f32>],
         cancel: Option<&AtomicBool>,
     ) -> Result<(), Cancelled> {
-        self.run_between(x, size, (Limits::NONE, Ending::default()), out, cancel)
+        let part = Planes { values: x, is_doubled: false };
+        self.run_between(&[part], size, (Limits::NONE, Ending::default()), out, cancel)
     }
 
-    /// The same on `x` kept within limits, and with an ending of its result.
+    /// The same on the channels of several parts, kept within limits, and with an ending of its result.
     ///
     /// # Errors
     /// [`Cancelled`] once `cancel` is set.
     pub fn run_between(
         &self,
-        x: &[f32],
+        parts: &[Planes],
         size: [usize; 2],
         (before, ending): (Limits, Ending),
         out: &mut [MaybeUninit<f32>],
@@ -85,15 +95,10 @@ impl PlaneChain {
     ) -> Result<(), Cancelled> {
         assert!(ending.summand.is_none_or(|summand| summand.len() == out.len()), "length of the summand");
         let pixels = size[0] * size[1];
-        let mut values = room(x.len());
-        let first = &mut values.spare_capacity_mut()[..x.len()];
-        let before = Ending { summand: None, limits: before };
-        transpose(self.isa, x, first, pixels, before);
-        // SAFETY: `transpose` has written all of it.
-        unsafe { values.set_len(x.len()) };
+        let mut values = channel_last(self.isa, parts, size, before);
         for layer in &self.layers {
             let len = pixels * layer.channels[1];
-            let mut next = room(len);
+            let mut next = Vec::with_capacity(len);
             layer.run(self.isa, &values, size, &mut next.spare_capacity_mut()[..len], cancel)?;
             // SAFETY: the tiles cover every pixel, and all channels of it.
             unsafe { next.set_len(len) };
@@ -104,44 +109,12 @@ impl PlaneChain {
     }
 }
 
-fn room(len: usize) -> Vec<f32> {
-    Vec::with_capacity(len)
-}
-
-/// `[columns, rows]` from `from` `[rows, columns]`, and what ends it while it is in cache.
-fn transpose(isa: Isa, from: &[f32], to: &mut [MaybeUninit<f32>], columns: usize, ending: Ending) {
-    const SIDE: usize = 16;
-    let rows = from.len() / columns;
-    assert_eq!(from.len(), to.len(), "length of the transposed picture");
-    let whole = rows / SIDE * SIDE;
-    team::each_chunk(to, SIDE * rows, |band, to| {
-        let first = band * SIDE;
-        let width = to.len() / rows;
-        let squares = if width == SIDE { whole } else { 0 };
-        if squares > 0 {
-            let (from, to) = (from[first..].as_ptr(), to.as_mut_ptr().cast::<f32>());
-            on_isa!(isa, transpose(from, [columns, rows], to, [squares, SIDE]));
-        }
-        for (i, to) in to.chunks_exact_mut(rows).enumerate() {
-            for (row, to) in to.iter_mut().enumerate().skip(squares) {
-                to.write(from[row * columns + first + i]);
-            }
-        }
-        if ending.is_some() {
-            let start = first * rows;
-            let summand = ending.summand.map_or(&[][..], |summand| &summand[start..start + to.len()]);
-            // SAFETY: all of it was written above.
-            let to = unsafe { to.assume_init_mut() };
-            on_isa!(isa, end_row(to, summand, ending.limits));
-        }
-    });
-}
-
 impl Ready {
     fn new(layer: &Layer) -> Self {
-        let Layer { channels, dilation, padding, activation, .. } = *layer;
+        let Layer { channels, dilation, padding, activation, is_residual, .. } = *layer;
         let [c_in, c_out] = channels;
         assert_eq!(layer.weights.len(), c_in * c_out * 9, "number of weights");
+        assert!(!is_residual || c_in == c_out, "a sum of {c_in} and {c_out} channels");
         let mut weights = vec![0.0; COMPONENTS * c_in * c_out];
         for (i, taps) in layer.weights.chunks_exact(9).enumerate() {
             let (o, c) = (i / c_in, i % c_in);
@@ -150,7 +123,7 @@ impl Ready {
                 weights[component * c_in * c_out + at] = weight;
             }
         }
-        Self { weights, bias: layer.bias.to_vec(), channels, dilation, padding, activation }
+        Self { weights, bias: layer.bias.to_vec(), channels, dilation, padding, activation, is_residual }
     }
 
     fn run(
@@ -168,13 +141,14 @@ impl Ready {
         let outside = SendPtr(if zeros.is_empty() { std::ptr::null_mut() } else { zeros.as_ptr().cast_mut() });
         let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
         let origins = origins(size, self.dilation);
-        let Self { channels, dilation, activation, .. } = *self;
+        let Self { channels, dilation, activation, is_residual, .. } = *self;
         let (weights, bias) = (&self.weights[..], &self.bias[..]);
         if plane_components::pays(channels) {
             // SAFETY: offsets of 0.
             let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
             let origins = &origins[..];
-            let tiles = Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, origins };
+            let tiles =
+                Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, is_residual, origins };
             return plane_components::run(isa, &tiles, cancel);
         }
         // Small pictures go in smaller blocks, so that all threads have some.
@@ -187,7 +161,8 @@ impl Ready {
             let origins = &origins[task * block..((task + 1) * block).min(origins.len())];
             // SAFETY: offsets of 0.
             let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
-            let tiles = Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, origins };
+            let tiles =
+                Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, is_residual, origins };
             SCRATCH.with_borrow_mut(|scratch| {
                 scratch.resize(scratch_len(channels).max(scratch.len()), 0.0);
                 on_isa!(isa, winograd_plane(&tiles, scratch.as_mut_ptr()));

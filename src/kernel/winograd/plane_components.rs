@@ -10,7 +10,7 @@ use crate::kernel::padded::SendPtr;
 use crate::kernel::team;
 
 /// Products of channels from which on the weights fill a core's second cache several times.
-const LEAST_PRODUCTS: usize = 256 * 128;
+const LEAST_PRODUCTS: usize = 160 * 128;
 /// Tiles that are done together: one component of them and its weights stay in the second cache.
 const MOST_TILES: usize = 192;
 /// Values of a buffer at least: so large ones are kept by [`LargeBlocks`](crate::kernel::blocks::LargeBlocks).

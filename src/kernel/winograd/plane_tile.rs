@@ -35,6 +35,8 @@ pub(in crate::kernel) struct Tiles<'a> {
     pub(super) weights: &'a [f32],
     pub(super) bias: &'a [f32],
     pub(super) activation: Activation,
+    /// Whether the input is added behind the activation.
+    pub(super) is_residual: bool,
     /// Row and column of each tile's first result, at most [`TILES`].
     pub(super) origins: &'a [[u32; 2]],
 }
@@ -289,8 +291,12 @@ unsafe fn transform_output<V: Vector>(tiles: &Tiles, origin: [u32; 2], from: *co
                 for j in 0..RESULTS {
                     let x = x + j * tiles.dilation;
                     if y < tiles.size[0] && x < tiles.size[1] {
-                        let value = activate(row[j].add(bias), tiles.activation);
-                        value.store(tiles.out.add((y * tiles.size[1] + x) * c_out + channel));
+                        let at = (y * tiles.size[1] + x) * c_out + channel;
+                        let mut value = activate(row[j].add(bias), tiles.activation);
+                        if tiles.is_residual {
+                            value = value.add(V::load(tiles.x.add(at)));
+                        }
+                        value.store(tiles.out.add(at));
                     }
                 }
             }

@@ -13,9 +13,10 @@ struct Numbers {
     channels: [usize; 2],
     dilation: usize,
     activation: Activation,
+    is_residual: bool,
 }
 
-/// Layers between some channels, the last a tanh; weights keep the size of the numbers that go through them.
+/// Layers between some channels, the last a tanh, those of planes residual where they can be; weights keep the size of the numbers that go through them.
 struct Net {
     kernel: Kernel,
     padding: Padding,
@@ -33,6 +34,7 @@ impl Net {
                 channels: [c[0], c[1]],
                 dilation: dilations[i % dilations.len()],
                 activation: if last { Activation::Tanh { scale: 1.0 } } else { Activation::Elu },
+                is_residual: kernel == Kernel::Plane && c[0] == c[1],
             }
         };
         Self { kernel, padding, layers: channels.windows(2).enumerate().map(layer).collect() }
@@ -41,8 +43,8 @@ impl Net {
     fn layers(&self) -> Vec<Layer<'_>> {
         let padding = self.padding;
         let ready = self.layers.iter().map(|held| {
-            let Numbers { ref weights, ref bias, channels, dilation, activation } = *held;
-            Layer { weights, bias, channels, dilation, padding, activation }
+            let Numbers { ref weights, ref bias, channels, dilation, activation, is_residual } = *held;
+            Layer { weights, bias, channels, dilation, padding, activation, is_residual }
         });
         ready.collect()
     }
@@ -55,7 +57,11 @@ impl Net {
                 ConvShape { batch: 1, channels_in, channels_out, views, height, width, kernel, dilation, padding };
             let conv = Conv::new(shape, isa);
             let weights = conv.pack(&held.weights);
-            conv.forward(&conv.pad_input(&x), &weights, Some(&held.bias), activation, None).unwrap()
+            let mut out = conv.forward(&conv.pad_input(&x), &weights, Some(&held.bias), activation, None).unwrap();
+            if held.is_residual {
+                out.iter_mut().zip(&x).for_each(|(out, x)| *out += x);
+            }
+            out
         })
     }
 }
@@ -78,7 +84,7 @@ fn assert_near(got: &[f32], want: &[f32], most: f32, what: &str) {
 #[test]
 fn planes_agree_with_the_direct_convolution() {
     for padding in [Padding::Edge, Padding::Zero] {
-        let net = Net::new(Kernel::Plane, padding, &[16, 64, 128, 80, 32], &[1, 2, 16, 3]);
+        let net = Net::new(Kernel::Plane, padding, &[16, 16, 64, 128, 80, 80, 32], &[1, 2, 16, 3]);
         for [height, width] in [[1, 1], [3, 2], [17, 53], [33, 30]] {
             let x = numbers(9, 16 * height * width);
             let want = net.direct(Isa::best(), &x, [1, height, width]);
@@ -95,7 +101,7 @@ fn planes_agree_with_the_direct_convolution() {
 fn planes_of_many_channels_agree_with_the_direct_convolution() {
     // The second size has more tiles than are done in one round.
     for (padding, [height, width]) in [(Padding::Zero, [13, 7]), (Padding::Edge, [57, 70])] {
-        let net = Net::new(Kernel::Plane, padding, &[128, 256], &[1]);
+        let net = Net::new(Kernel::Plane, padding, &[128, 256, 256], &[1]);
         let x = numbers(9, 128 * height * width);
         let want = net.direct(Isa::best(), &x, [1, height, width]);
         for isa in Isa::all() {

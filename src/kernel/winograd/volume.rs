@@ -168,7 +168,8 @@ pub(super) fn pieces(width: usize, widest: usize, halo: usize) -> Vec<(Range<usi
 
 impl Ready {
     fn new(layer: &Layer) -> Self {
-        let Layer { channels: [c_in, c_out], activation, .. } = *layer;
+        let Layer { channels: [c_in, c_out], activation, is_residual, .. } = *layer;
+        assert!(!is_residual, "a sum is done in planes alone");
         assert_eq!(layer.weights.len(), c_in * c_out * 27, "number of weights");
         assert_eq!(layer.dilation, 1, "dilation of a volume");
         let mut weights = vec![0.0; c_out.div_ceil(BLOCK) * POINTS * c_in * 9 * BLOCK];

@@ -214,6 +214,46 @@ fn layers_of_many_channels_become_a_chain() {
 }
 
 #[test]
+fn residual_layers_stay_within_a_chain() {
+    let conv = |net: Net| net.pad("edge", &[1, 1]).conv(32, 1, 0, true).then("Elu", &[], vec![]);
+    let then_add = |net: Net| {
+        let before = net.last.clone();
+        conv(net).then("Add", &[&before], vec![])
+    };
+    let net = then_add(then_add(conv(Net::new(32, 2))));
+    // What is added is an older result here, which has to stay.
+    let first = net.nodes[2].output[0].clone();
+    let net = conv(conv(net).then("Add", &[&first], vec![])).finish(32);
+    let shape = [1, 32, 19, 21];
+    assert_paths_agree(&net, &shape, 5);
+    let ready = prepare(&net, &shape, &Options::default()).unwrap();
+    let chains = ready.plan.model().nodes().iter().filter_map(|node| node.op_as::<chain::Chain>());
+    assert_eq!(chains.map(|chain| chain.len).collect::<Vec<_>>(), [1, 3, 1]);
+}
+
+#[test]
+fn a_chain_reads_what_is_joined_and_enlarged_before_it() {
+    let elu = |net: Net, channels, pads: i64| net.conv(channels, 1, pads, true).then("Elu", &[], vec![]);
+    let mut net = elu(Net::new(16, 2), 32, 1);
+    let large = net.last.clone();
+    net = net.then("AveragePool", &[], vec![ints("kernel_shape", &[2; 2]), ints("strides", &[2; 2])]);
+    net = elu(net, 48, 1);
+    net.tensors.push(floats("none", &[0], &[]));
+    net.tensors.push(floats("scales", &[4], &[1.0, 1.0, 2.0, 2.0]));
+    let nearest = [("mode", "nearest"), ("coordinate_transformation_mode", "asymmetric"), ("nearest_mode", "floor")];
+    net = net.then("Resize", &["none", "scales"], nearest.map(|(name, value)| text(name, value)).into());
+    let axis = AttributeProto { name: "axis".into(), i: 1, r#type: AttributeType::Int as i32, ..Default::default() };
+    net = net.then("Concat", &[&large], vec![axis]);
+    net.channels = 80;
+    let net = elu(elu(net, 16, 1), 64, 1).finish(16);
+    let shape = [1, 16, 38, 42];
+    assert_paths_agree(&net, &shape, 4);
+    let ready = prepare(&net, &shape, &Options::default()).unwrap();
+    let names: Vec<_> = ready.plan.model().nodes().iter().map(|node| node.op.name().into_owned()).collect();
+    assert!(!names.iter().any(|name| name.contains("Concat") || name.contains("Upsample")), "{names:?}");
+}
+
+#[test]
 fn a_chain_over_views_takes_pictures_of_any_size() {
     let net = Net::new(4, 3).pad("edge", &[1, 1, 1]).conv(8, 1, 0, true).then("Elu", &[], vec![]);
     let net = net.pad("edge", &[1, 1, 1]).conv(3, 1, 0, true).then("Tanh", &[], vec![]).finish(4);
