@@ -119,7 +119,7 @@ fn frames(bytes: &[u8]) -> Option<((u32, u32), Frames<'_>)> {
             decoder.has_animation().then(|| (decoder.dimensions(), decoder.into_frames()))
         }
         ImageFormat::Png => {
-            let decoder = PngDecoder::new(from()).ok()?;
+            let decoder = PngDecoder::with_limits(from(), raster::still::limits_beside()).ok()?;
             let moves = decoder.is_apng().ok()?;
             let size = decoder.dimensions();
             moves.then(|| decoder.apng().ok()).flatten().map(|decoder| (size, decoder.into_frames()))

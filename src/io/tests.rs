@@ -125,17 +125,31 @@ fn all_eight_orientations_stand_upright() {
     }
 }
 
+/// A PNG of one colour with a profile.
+fn tagged(icc: Vec<u8>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+    encoder.set_icc_profile(icc).unwrap();
+    let px = [100, 200, 100].repeat(4);
+    encoder.write_image(&px, 2, 2, ExtendedColorType::Rgb8).unwrap();
+    bytes
+}
+
+#[test]
+fn a_profile_that_unpacks_to_more_than_any_has_is_left_out() {
+    let is_kept = |more: usize| {
+        let icc = [ColorProfile::new_display_p3().encode().unwrap(), vec![0; more]].concat();
+        let bytes = tagged(icc);
+        assert!(bytes.len() < 1 << 20, "it is to be packed");
+        photo(&bytes).photo.metadata().icc.is_some()
+    };
+    assert!(is_kept(1 << 20));
+    assert!(!is_kept(65 << 20));
+}
+
 #[test]
 fn a_wide_profile_is_kept_for_export_and_converted_for_work() {
     let icc = ColorProfile::new_display_p3().encode().unwrap();
-    let tagged = |icc: Vec<u8>| {
-        let mut bytes = Vec::new();
-        let mut encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-        encoder.set_icc_profile(icc).unwrap();
-        let px = [100, 200, 100].repeat(4);
-        encoder.write_image(&px, 2, 2, ExtendedColorType::Rgb8).unwrap();
-        bytes
-    };
     let file = photo(&tagged(icc.clone()));
     assert_eq!(file.photo.metadata().icc.as_deref(), Some(&icc[..]));
     let PhotoPixels::Eight(own) = file.photo.pixels() else { panic!() };

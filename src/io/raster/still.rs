@@ -25,12 +25,15 @@ const fn still(name: &'static str, suffixes: &'static [&'static str], begins: fn
     FileType { name, suffixes, begins, pixels: Some(Pixels { decode, header_size }), ..FileType::UNKNOWN }
 }
 
+/// Bytes of what stands beside the pixels, unpacked; some profiles have a megabyte.
+const MOST_BESIDE_BYTES: u64 = 64 << 20;
+
 /// A decoder that has read the header and found its size bearable.
 fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + use<'a>, Problem> {
     // The library knows each format by the suffix that stands first.
     let kind = format.suffixes.first().and_then(ImageFormat::from_extension).ok_or(Problem::Unknown)?;
     let mut reader = ImageReader::with_format(Cursor::new(bytes), kind);
-    reader.limits(limits(0));
+    reader.limits(limits_beside());
     let mut decoder = reader.into_decoder().map_err(|error| problem(error, format))?;
     let (width, height) = decoder.dimensions();
     let bytes_per_sample =
@@ -39,6 +42,13 @@ fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + 
     let all = limits(decoder.total_bytes());
     decoder.set_limits(all).map_err(|error| problem(error, format))?;
     Ok(decoder)
+}
+
+/// What a decoder may allocate before it comes to the pixels: profiles and texts, which lie packed in a PNG.
+pub(crate) fn limits_beside() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MOST_BESIDE_BYTES);
+    limits
 }
 
 /// What a decoder may allocate: a picture in one strip lies in memory twice.
