@@ -173,7 +173,7 @@ impl Chain {
         let batch = shape[0];
         let cancel = op::cancel();
         let flag = cancel.as_ref().map(Cancel::flag);
-        let values = inputs.iter().map(|tensor| Ok(tensor.try_as_plain_ram()?.as_slice::<f32>()?));
+        let values = inputs.iter().map(|tensor| tensor.try_as_plain_ram()?.as_slice::<f32>());
         let values: TVec<&[f32]> = values.collect::<TractResult<_>>()?;
         let one_out = output.len() / batch;
         for (n, out) in op::room(&mut output)?.chunks_exact_mut(one_out).enumerate() {
