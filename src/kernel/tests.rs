@@ -100,6 +100,8 @@ fn shapes() -> Vec<ConvShape> {
         shape(1, [3, 8], [1, 2, 5], Kernel::Volume, 2),
         shape(1, [3, 4], [2, 4, 33], Kernel::Point, 1),
         shape(2, [2, 3], [4, 3, 7], Kernel::Plane, 3),
+        // Short rows of many channels, which are shared out.
+        shape(2, [3, 333], [1, 7, 8], Kernel::Plane, 2),
     ];
     let mut numbers = Numbers(11);
     for _ in 0..12 {

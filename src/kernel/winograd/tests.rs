@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::*;
 use crate::job::Cancelled;
-use crate::kernel::{Conv, ConvShape, Isa, Kernel, numbers};
+use crate::kernel::{Conv, ConvShape, Ending, Isa, Kernel, Limits, numbers};
 
 /// One layer's numbers.
 struct Numbers {
@@ -109,6 +109,28 @@ fn planes_of_many_channels_agree_with_the_direct_convolution() {
             let got = written(want.len(), |out| chain.run(&x, [height, width], out, None).unwrap());
             assert_near(&got, &want, 5e-5, &format!("{isa} {padding:?} {width}×{height}"));
         }
+    }
+}
+
+#[test]
+fn parts_are_joined_and_enlarged_as_one_picture() {
+    let net = Net::new(Kernel::Plane, Padding::Edge, &[48, 32, 32], &[1]);
+    let size @ [height, width] = [22, 38];
+    let (small, large) = (numbers(1, 32 * height * width / 4), numbers(2, 16 * height * width));
+    let at = |i: usize| {
+        let (plane, y, x) = (i / (height * width), i / width % height, i % width);
+        small[(plane * height / 2 + y / 2) * width / 2 + x / 2]
+    };
+    let limits = Limits { low: -0.5, high: 0.25 };
+    let whole: Vec<f32> = (0..32 * height * width).map(at).chain(large.iter().copied()).collect();
+    let parts = [Planes { values: &small, is_doubled: true }, Planes { values: &large, is_doubled: false }];
+    for isa in Isa::all() {
+        let chain = PlaneChain::new(&net.layers(), isa);
+        let of = |parts: &[Planes]| {
+            let ends = (limits, Ending::default());
+            written(32 * height * width, |out| chain.run_between(parts, size, ends, out, None).unwrap())
+        };
+        assert_eq!(of(&parts), of(&[Planes { values: &whole, is_doubled: false }]), "{isa}");
     }
 }
 
