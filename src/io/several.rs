@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
-use image::{AnimationDecoder, Frames, ImageDecoder, ImageFormat};
+use image::{AnimationDecoder, Frames, ImageDecoder, ImageFormat, Limits};
 
 use super::formats::phone::heic;
 use super::open::{open_content, read_file};
@@ -21,6 +21,8 @@ const SIDE_BY_SIDE: [&str; 2] = ["_sbs", "-sbs"];
 const WIDE: u32 = 2;
 /// Most pictures of an animation or a film that are kept.
 const MOST: usize = 40;
+/// Canvases that a decoder of an animation may have in memory; they hold three.
+const CANVASES: u64 = 8;
 /// Type of a picture in an MPO that another eye sees (CIPA DC-007, "disparity").
 const OTHER_EYE: u32 = 0x02_0002;
 
@@ -111,7 +113,8 @@ fn frames(bytes: &[u8]) -> Option<((u32, u32), Frames<'_>)> {
     let from = || Cursor::new(bytes);
     match image::guess_format(bytes).ok()? {
         ImageFormat::Gif => {
-            let decoder = GifDecoder::new(from()).ok()?;
+            let mut decoder = GifDecoder::new(from()).ok()?;
+            decoder.set_limits(limits(decoder.dimensions())).ok()?;
             Some((decoder.dimensions(), decoder.into_frames()))
         }
         ImageFormat::WebP => {
@@ -119,13 +122,22 @@ fn frames(bytes: &[u8]) -> Option<((u32, u32), Frames<'_>)> {
             decoder.has_animation().then(|| (decoder.dimensions(), decoder.into_frames()))
         }
         ImageFormat::Png => {
-            let decoder = PngDecoder::with_limits(from(), raster::still::limits_beside()).ok()?;
+            let mut decoder = PngDecoder::with_limits(from(), raster::still::limits_beside()).ok()?;
+            decoder.set_limits(limits(decoder.dimensions())).ok()?;
             let moves = decoder.is_apng().ok()?;
             let size = decoder.dimensions();
             moves.then(|| decoder.apng().ok()).flatten().map(|decoder| (size, decoder.into_frames()))
         }
         _ => None,
     }
+}
+
+/// What a decoder of frames may allocate: some canvases, however large a frame claims to be.
+fn limits((width, height): (u32, u32)) -> Limits {
+    let mut limits = raster::still::limits_beside();
+    let canvas = 4 * u64::from(width) * u64::from(height);
+    limits.max_alloc = limits.max_alloc.map(|beside| beside + CANVASES * canvas);
+    limits
 }
 
 /// The pictures of a GIF, WebP or APNG that moves; none of other files. Of many, some that are evenly apart.
@@ -214,4 +226,26 @@ fn mpo(bytes: &[u8]) -> Vec<&[u8]> {
         Some((0..(length / ENTRY).min(MOST)).filter_map(other).collect())
     };
     pictures().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A GIF of 24×16 with one frame of another size.
+    fn gif(width: u16, height: u16) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = gif::Encoder::new(&mut bytes, 24, 16, &[0, 0, 0, 255, 255, 255]).unwrap();
+        let buffer = vec![1; usize::from(width) * usize::from(height)].into();
+        encoder.write_frame(&gif::Frame { width, height, buffer, ..gif::Frame::default() }).unwrap();
+        drop(encoder);
+        bytes
+    }
+
+    #[test]
+    fn a_frame_far_larger_than_its_canvas_takes_no_memory() {
+        let first = |bytes: &[u8]| frames(bytes).unwrap().1.next().unwrap().is_ok();
+        assert!(first(&gif(24, 16)) && first(&gif(600, 400)));
+        assert!(!first(&gif(5000, 5000)));
+    }
 }
