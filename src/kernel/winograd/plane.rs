@@ -11,7 +11,6 @@ use super::{Layer, plane_components};
 use crate::job::Cancelled;
 use crate::kernel::ending::{Ending, Limits};
 use crate::kernel::isa::{Isa, on_isa};
-use crate::kernel::padded::SendPtr;
 use crate::kernel::shape::Padding;
 use crate::kernel::team;
 use crate::kernel::tile::Activation;
@@ -136,33 +135,35 @@ impl Ready {
     ) -> Result<(), Cancelled> {
         let pixels = size[0] * size[1];
         assert_eq!([x.len(), out.len()], self.channels.map(|c| c * pixels), "lengths of input and result");
-        let (x, out) = (SendPtr(x.as_ptr().cast_mut()), SendPtr(out.as_mut_ptr().cast()));
         let zeros = vec![0.0; if self.padding == Padding::Zero { self.channels[0] } else { 0 }];
-        let outside = SendPtr(if zeros.is_empty() { std::ptr::null_mut() } else { zeros.as_ptr().cast_mut() });
-        let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
         let origins = origins(size, self.dilation);
         let Self { channels, dilation, activation, is_residual, .. } = *self;
-        let (weights, bias) = (&self.weights[..], &self.bias[..]);
+        let tiles = &Tiles {
+            x: x.as_ptr(),
+            out: out.as_mut_ptr().cast(),
+            size,
+            channels,
+            dilation,
+            outside: if zeros.is_empty() { std::ptr::null() } else { zeros.as_ptr() },
+            weights: &self.weights,
+            bias: &self.bias,
+            activation,
+            is_residual,
+            origins: &origins,
+        };
         if plane_components::pays(channels) {
-            // SAFETY: offsets of 0.
-            let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
-            let origins = &origins[..];
-            let tiles =
-                Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, is_residual, origins };
-            return plane_components::run(isa, &tiles, cancel);
+            return plane_components::run(isa, tiles, cancel);
         }
         // Small pictures go in smaller blocks, so that all threads have some.
         let share = origins.len().div_ceil(2 * rayon::current_num_threads());
         let block = share.next_multiple_of(TOGETHER).min(TILES);
+        let stopped = || cancel.is_some_and(|flag| flag.load(Ordering::Relaxed));
         team::each(origins.len().div_ceil(block), |task| {
             if stopped() {
                 return;
             }
-            let origins = &origins[task * block..((task + 1) * block).min(origins.len())];
-            // SAFETY: offsets of 0.
-            let (x, out, outside) = unsafe { (x.at(0), out.at(0), outside.at(0)) };
-            let tiles =
-                Tiles { x, out, size, channels, dilation, outside, weights, bias, activation, is_residual, origins };
+            let part = task * block..((task + 1) * block).min(origins.len());
+            let tiles = Tiles { origins: &origins[part], ..*tiles };
             SCRATCH.with_borrow_mut(|scratch| {
                 scratch.resize(scratch_len(channels).max(scratch.len()), 0.0);
                 on_isa!(isa, winograd_plane(&tiles, scratch.as_mut_ptr()));
