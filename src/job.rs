@@ -57,6 +57,8 @@ pub enum Stage {
     Poses,
     /// The mean of several photos.
     Mean,
+    /// Repairs of the depth.
+    Mend,
     /// The lens renderer.
     Refocus,
     /// Encoding and writing files.
@@ -75,6 +77,7 @@ impl Stage {
             Self::Match => "Matching the photos",
             Self::Poses => "Finding the cameras",
             Self::Mean => "Taking the photos' mean",
+            Self::Mend => "Mending the depth",
             Self::Refocus => "Refocusing",
             Self::Save => "Saving",
         }

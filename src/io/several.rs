@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
-use image::{AnimationDecoder, Frames, ImageDecoder, ImageFormat, Limits};
+use image::{AnimationDecoder, Frames, ImageDecoder, ImageFormat};
 
 use super::formats::phone::heic;
 use super::open::{open_content, read_file};
@@ -21,8 +21,6 @@ const SIDE_BY_SIDE: [&str; 2] = ["_sbs", "-sbs"];
 const WIDE: u32 = 2;
 /// Most pictures of an animation or a film that are kept.
 const MOST: usize = 40;
-/// Canvases that a decoder of an animation may have in memory; they hold three.
-const CANVASES: u64 = 8;
 /// Type of a picture in an MPO that another eye sees (CIPA DC-007, "disparity").
 const OTHER_EYE: u32 = 0x02_0002;
 
@@ -114,7 +112,7 @@ fn frames(bytes: &[u8]) -> Option<((u32, u32), Frames<'_>)> {
     match image::guess_format(bytes).ok()? {
         ImageFormat::Gif => {
             let mut decoder = GifDecoder::new(from()).ok()?;
-            decoder.set_limits(limits(decoder.dimensions())).ok()?;
+            decoder.set_limits(raster::still::limits_of_frames(decoder.dimensions())).ok()?;
             Some((decoder.dimensions(), decoder.into_frames()))
         }
         ImageFormat::WebP => {
@@ -123,21 +121,13 @@ fn frames(bytes: &[u8]) -> Option<((u32, u32), Frames<'_>)> {
         }
         ImageFormat::Png => {
             let mut decoder = PngDecoder::with_limits(from(), raster::still::limits_beside()).ok()?;
-            decoder.set_limits(limits(decoder.dimensions())).ok()?;
+            decoder.set_limits(raster::still::limits_of_frames(decoder.dimensions())).ok()?;
             let moves = decoder.is_apng().ok()?;
             let size = decoder.dimensions();
             moves.then(|| decoder.apng().ok()).flatten().map(|decoder| (size, decoder.into_frames()))
         }
         _ => None,
     }
-}
-
-/// What a decoder of frames may allocate: some canvases, however large a frame claims to be.
-fn limits((width, height): (u32, u32)) -> Limits {
-    let mut limits = raster::still::limits_beside();
-    let canvas = 4 * u64::from(width) * u64::from(height);
-    limits.max_alloc = limits.max_alloc.map(|beside| beside + CANVASES * canvas);
-    limits
 }
 
 /// The pictures of a GIF, WebP or APNG that moves; none of other files. Of many, some that are evenly apart.
@@ -231,6 +221,7 @@ fn mpo(bytes: &[u8]) -> Vec<&[u8]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::job::Cancel;
 
     /// A GIF of 24×16 with one frame of another size.
     fn gif(width: u16, height: u16) -> Vec<u8> {
@@ -247,5 +238,8 @@ mod tests {
         let first = |bytes: &[u8]| frames(bytes).unwrap().1.next().unwrap().is_ok();
         assert!(first(&gif(24, 16)) && first(&gif(600, 400)));
         assert!(!first(&gif(5000, 5000)));
+        let job = Job { cancel: &Cancel::default(), sink: &() };
+        let as_one_picture = |bytes: &[u8]| open_content(bytes, None, &job).is_ok();
+        assert!(as_one_picture(&gif(600, 400)) && !as_one_picture(&gif(5000, 5000)));
     }
 }

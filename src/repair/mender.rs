@@ -1,5 +1,6 @@
 //! A map that is being mended, with the photo's colours beside it.
 
+use std::borrow::Borrow;
 use std::sync::Arc;
 
 use super::guide::{Guide, apart};
@@ -7,7 +8,7 @@ use super::mask::Mask;
 use super::reach::walk;
 use super::{Place, Region as Asked, Repair, lasso, operation};
 use crate::field::{DisparityMap, FieldError, Raster};
-use crate::job::{Cancel, Cancelled};
+use crate::job::{Cancelled, Job, Stage};
 
 /// A difference of colours from one pixel to the next below this is noise and texture.
 const NOISE: f32 = 0.015;
@@ -75,13 +76,13 @@ impl Region {
 pub fn mended(
     map: &DisparityMap,
     guide: Guide,
-    repairs: impl IntoIterator<Item = impl std::borrow::Borrow<Repair>>,
-    cancel: &Cancel,
+    repairs: &[impl Borrow<Repair>],
+    job: &Job,
 ) -> Result<Result<DisparityMap, FieldError>, Cancelled> {
     let mut mender = Mender::new(map, guide);
-    for repair in repairs {
-        cancel.check()?;
-        mender.apply(repair.borrow());
+    for (done, repair) in repairs.iter().enumerate() {
+        job.advance(Stage::Mend, done as u32, repairs.len() as u32)?;
+        mender.apply(repair.borrow(), job)?;
     }
     Ok(mender.map())
 }
@@ -113,8 +114,8 @@ impl Mender {
         self.map.sides()
     }
 
-    /// Does one repair; one that cannot be used does nothing.
-    pub fn apply(&mut self, repair: &Repair) {
+    /// Does one repair; one that cannot be used does nothing. A long stroke can be stopped on its way.
+    pub(super) fn apply(&mut self, repair: &Repair, job: &Job) -> Result<(), Cancelled> {
         match repair {
             repair if !repair.is_usable() => {}
             Repair::Region { of, what } => {
@@ -125,10 +126,12 @@ impl Mender {
             Repair::Stroke(stroke) => {
                 let mut draft = self.begin(stroke.brush, stroke.size, stroke.strength);
                 for place in &stroke.path {
+                    job.check()?;
                     let _changed = self.extend(&mut draft, *place);
                 }
             }
         }
+        Ok(())
     }
 
     /// The pixels of a thing.

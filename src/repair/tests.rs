@@ -1,8 +1,10 @@
 //! Repairs on made scenes whose true depth is known: a few clicks or strokes mend what a net got wrong.
 
+use std::sync::Mutex;
+
 use super::*;
 use crate::field::{DisparityMap, View};
-use crate::job::Cancel;
+use crate::job::{Cancel, Cancelled, Job, Progress, Sink, Stage};
 
 const SIZE: [u32; 2] = [180, 120];
 const WIDTH: f32 = SIZE[0] as f32;
@@ -39,7 +41,9 @@ impl Scene {
     }
 
     fn mended(&self, repairs: &[Repair]) -> DisparityMap {
-        mended(&self.given, self.guide.clone(), repairs, &Cancel::default()).unwrap().unwrap()
+        mended(&self.given, self.guide.clone(), repairs, &Job { cancel: &Cancel::default(), sink: &() })
+            .unwrap()
+            .unwrap()
     }
 
     /// Of the pixels that were wrong by more than a tenth of the range, the share that no longer is; and of those that
@@ -266,7 +270,9 @@ fn the_same_repairs_mean_the_same_at_another_size() {
         let guide = Guide::new(&View::new(size, rgba).unwrap(), size);
         let repairs =
             [click([0.5, 0.5], 0.3, Operation::Farther(2e-3)), click([0.1, 0.1], 0.5, Operation::Nearer(1e-3))];
-        mended(&DisparityMap::new(size, map).unwrap(), guide, &repairs, &Cancel::default()).unwrap().unwrap()
+        mended(&DisparityMap::new(size, map).unwrap(), guide, &repairs, &Job { cancel: &Cancel::default(), sink: &() })
+            .unwrap()
+            .unwrap()
     };
     let (small, large) = (at(SIZE), at([360, 240]).resized(SIZE).unwrap());
     let pairs = small.disparity_px().iter().zip(large.disparity_px());
@@ -309,9 +315,35 @@ fn what_cannot_be_meant_changes_nothing_and_is_not_lost() {
             Repair::Stroke(Stroke { brush, path: vec![[0.0, 0.0], [1.0, 1.0]], size: 0.5, strength: 1.0 })
         }));
         repairs.push(lasso(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], Operation::Lie));
-        let made = mended(&map, Guide::new(&view, [w, h]), &repairs, &Cancel::default());
+        let made = mended(&map, Guide::new(&view, [w, h]), &repairs, &Job { cancel: &Cancel::default(), sink: &() });
         assert!(made.unwrap().is_ok());
     }
+}
+
+/// Keeps how far a job was.
+#[derive(Default)]
+struct Heard(Mutex<Vec<Progress>>);
+
+impl Sink for Heard {
+    fn progress(&self, progress: Progress) {
+        self.0.lock().unwrap().push(progress);
+    }
+}
+
+#[test]
+fn mending_says_how_far_it_is_and_stops_within_a_stroke() {
+    let (scene, cancel, heard) = (petal_in_the_sky(), Cancel::default(), Heard::default());
+    let job = Job { cancel: &cancel, sink: &heard };
+    let path = vec![[0.2, 0.5], [0.8, 0.5]];
+    let stroke = Repair::Stroke(Stroke { brush: Brush::Nearer, path, size: 0.15, strength: 1.0 });
+    let repairs = [stroke.clone(), stroke.clone()];
+    assert!(mended(&scene.given, scene.guide.clone(), &repairs, &job).is_ok());
+    let steps = heard.0.lock().unwrap().clone();
+    assert_eq!(steps, [0, 1].map(|done| Progress { stage: Stage::Mend, done, total: 2 }));
+    cancel.cancel();
+    let mut mender = Mender::new(&scene.given, scene.guide.clone());
+    assert_eq!(mender.apply(&stroke, &job), Err(Cancelled));
+    assert_eq!(mender.disparity_px(), scene.given.disparity_px());
 }
 
 #[test]

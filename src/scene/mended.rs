@@ -56,7 +56,8 @@ impl Scene {
         }
         repairs.left_out().into_iter().for_each(|text| job.sink.warning(text));
         let guide = first.guide(job)?;
-        let map = Arc::new(repair::mended(first.map(), guide, repairs.usable(), job.cancel)??);
+        let usable: Vec<_> = repairs.usable().collect();
+        let map = Arc::new(repair::mended(first.map(), guide, &usable, job)??);
         let views = first.views().map(|views| first.carried(views, &map, job)).transpose()?;
         Ok(first.with_mended(map, views)?.with_repairs(repairs))
     }

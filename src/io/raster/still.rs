@@ -27,6 +27,8 @@ const fn still(name: &'static str, suffixes: &'static [&'static str], begins: fn
 
 /// Bytes of what stands beside the pixels, unpacked; some profiles have a megabyte.
 const MOST_BESIDE_BYTES: u64 = 64 << 20;
+/// Canvases that a decoder of an animation may have in memory; they hold three.
+const CANVASES: u64 = 8;
 
 /// A decoder that has read the header and found its size bearable.
 fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + use<'a>, Problem> {
@@ -39,7 +41,8 @@ fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + 
     let bytes_per_sample =
         u64::from(decoder.color_type().bytes_per_pixel() / decoder.color_type().channel_count()).min(2);
     check_whole([width, height], 4 * bytes_per_sample, bytes.len())?;
-    let all = limits(decoder.total_bytes());
+    // The first frame of an animation may claim to be larger than its canvas.
+    let all = if kind == ImageFormat::Gif { limits_of_frames((width, height)) } else { limits(decoder.total_bytes()) };
     decoder.set_limits(all).map_err(|error| problem(error, format))?;
     Ok(decoder)
 }
@@ -48,6 +51,14 @@ fn header<'a>(bytes: &'a [u8], format: &FileType) -> Result<impl ImageDecoder + 
 pub(crate) fn limits_beside() -> Limits {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MOST_BESIDE_BYTES);
+    limits
+}
+
+/// What a decoder of frames may allocate: some canvases, however large a frame claims to be.
+pub(crate) fn limits_of_frames((width, height): (u32, u32)) -> Limits {
+    let mut limits = limits_beside();
+    let canvas = 4 * u64::from(width) * u64::from(height);
+    limits.max_alloc = limits.max_alloc.map(|beside| beside + CANVASES * canvas);
     limits
 }
 

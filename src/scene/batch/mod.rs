@@ -240,24 +240,25 @@ fn somewhere(len: usize) -> usize {
     (number % len.max(1) as u64) as usize
 }
 
-/// Where each photo's picture goes; two photos of one name get two pictures, the same ones in every run and part.
+/// Where each photo's picture goes; two photos of one name get two pictures, the same ones in every run and part. Names that differ
+/// in capitals alone count as one: some disks, as those of cameras, cannot tell them apart.
 fn targets(inputs: &[PathBuf], order: &Order) -> Vec<PathBuf> {
     let picture = &order.recipe.export;
-    let mut taken: HashMap<PathBuf, u32> = HashMap::with_capacity(inputs.len());
+    let mut taken: HashMap<String, u32> = HashMap::with_capacity(inputs.len());
     let mut all = Vec::with_capacity(inputs.len());
     for input in inputs {
         // The width of the map, on which a recipe of version 1 hangs, changes no name but that of a disparity.
         let stem = picture.stem(input, &order.recipe.edit(order.making.long_side));
         let ending = picture.format.extension();
-        let plain = order.out.join(format!("{stem}.{ending}"));
+        let plain = format!("{stem}.{ending}");
         let mut free = plain.clone();
-        while taken.contains_key(&free) {
-            let last = taken.entry(plain.clone()).or_insert(1);
+        while taken.contains_key(&free.to_lowercase()) {
+            let last = taken.entry(plain.to_lowercase()).or_insert(1);
             *last += 1;
-            free = order.out.join(format!("{stem}-{last}.{ending}"));
+            free = format!("{stem}-{last}.{ending}");
         }
-        taken.insert(free.clone(), 1);
-        all.push(free);
+        taken.insert(free.to_lowercase(), 1);
+        all.push(order.out.join(free));
     }
     all
 }

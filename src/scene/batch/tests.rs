@@ -151,6 +151,13 @@ fn many_photos_of_one_name_get_names_of_their_own_soon() {
 }
 
 #[test]
+fn names_that_differ_in_capitals_alone_are_one_name() {
+    let inputs = ["a/IMG_1.jpg", "b/img_1.jpg", "c/Img_1.jpg"].map(PathBuf::from);
+    let wanted = ["IMG_1-f3.5.jpg", "img_1-f3.5-2.jpg", "Img_1-f3.5-3.jpg"].map(|name| Path::new("out").join(name));
+    assert_eq!(targets(&inputs, &order(Path::new("out"))), wanted);
+}
+
+#[test]
 fn a_stopped_batch_says_so_and_leaves_no_picture() {
     let dir = tempfile::tempdir().unwrap();
     let cancel = Cancel::default();

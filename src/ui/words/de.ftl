@@ -740,6 +740,7 @@ heard-stage-sweep = Strahltiefen messen
 heard-stage-match = Fotos abgleichen
 heard-stage-poses = Kameras finden
 heard-stage-mean = Mittel der Fotos bilden
+heard-stage-mend = Tiefe reparieren
 heard-stage-refocus = Nachfokussieren
 heard-stage-save = Speichern
 

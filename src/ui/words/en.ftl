@@ -740,6 +740,7 @@ heard-stage-sweep = Measuring ray depths
 heard-stage-match = Matching the photos
 heard-stage-poses = Finding the cameras
 heard-stage-mean = Taking the photos' mean
+heard-stage-mend = Mending the depth
 heard-stage-refocus = Refocusing
 heard-stage-save = Saving
 
