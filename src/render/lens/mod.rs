@@ -42,7 +42,7 @@ mod viewpoint;
 
 use std::sync::Arc;
 
-use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples};
+use crate::field::{DisparityMap, FieldError, Lens, Photo, Pixels, Samples, fit_long_side};
 use crate::job::{Cancel, Cancelled, Job};
 use crate::render::Picture;
 
@@ -108,9 +108,12 @@ impl Rgbd {
         let [low, high] = disparity.range_px();
         // Small maps are rounded to whole pixels, which changes their shape.
         let rounding = 1.0 / f64::from(disparity.size()[0].min(disparity.size()[1]));
-        let apart = (ratio(disparity.size()) / ratio(photo)).ln().abs();
-        if low < high && apart > SHAPE_TOLERANCE + rounding {
-            return Err(LensError::Shape { map: disparity.size(), photo });
+        let map = disparity.size();
+        let apart = (ratio(map) / ratio(photo)).ln().abs();
+        // The map of a strip has a side of one pixel, whatever the photo's is.
+        let is_shrunk = map == fit_long_side(photo, map[0].max(map[1]));
+        if low < high && apart > SHAPE_TOLERANCE + rounding && !is_shrunk {
+            return Err(LensError::Shape { map, photo });
         }
         Ok(())
     }

@@ -497,8 +497,10 @@ fn what_is_kept_sharp_and_what_lies_in_a_tilted_plane_stays_the_photo() {
 
 #[test]
 fn maps_of_another_shape_are_refused_and_flat_ones_may_have_any_shape() {
-    let photo = noise_photo([40, 30]);
+    let (photo, strip) = (noise_photo([40, 30]), noise_photo([800, 2]));
     let scene = |map| Rgbd::new(Arc::clone(&photo), map).err();
+    assert_eq!(Rgbd::new(Arc::clone(&strip), map([100, 1], |x, _| x)).err(), None);
+    assert!(Rgbd::new(strip, map([1, 100], |_, y| y)).is_err());
     assert!(matches!(scene(map([30, 40], |x, _| x)), Some(LensError::Shape { .. })));
     assert_eq!(scene(DisparityMap::constant([1, 1], 0.3)), None);
     assert_eq!(scene(map([20, 15], |x, _| x)), None);

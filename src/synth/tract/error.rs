@@ -72,6 +72,14 @@ pub enum EngineError {
         /// The name of the tensor in the file.
         name: String,
     },
+    /// Its values do not fit in memory.
+    #[error("the net needs {} MiB of memory — {} MiB are free — take a smaller net or a smaller working size", need_bytes >> 20, free_bytes >> 20)]
+    Room {
+        /// Bytes of all values that are there at one time.
+        need_bytes: u64,
+        /// Bytes that can be had.
+        free_bytes: u64,
+    },
     /// The net stopped in the middle.
     #[error("the net stopped ({detail})")]
     Run {

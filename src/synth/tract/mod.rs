@@ -25,6 +25,7 @@ mod profile;
 mod resize;
 mod rewrite;
 mod roles;
+mod room;
 mod tail;
 mod threads;
 mod typed;
@@ -34,7 +35,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use tract_onnx::prelude::*;
-use tract_onnx::tract_core::internal::{DimLike as _, EvalContext};
+use tract_onnx::tract_core::internal::{DimLike as _, EvalContext, format_err};
 use tract_onnx::tract_core::ops::OpState;
 use tract_onnx::tract_core::plan;
 
@@ -53,6 +54,7 @@ use crate::job::Cancel;
 use crate::kernel::Isa;
 use crate::kernel::winograd::VolumeChain;
 use crate::panics;
+use crate::synth::memory;
 
 /// A net made ready for one input shape. Cheap to clone; may be run from several threads at once.
 #[derive(Clone, Debug)]
@@ -125,6 +127,7 @@ fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result
         }
     }
     let mut model = typed::optimised(model).map_err(shape_error)?;
+    room::check(&model, memory::free_bytes().unwrap_or(u64::MAX))?;
     options.weights.share(&mut model);
     let plan = model.into_runnable().map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;
@@ -216,7 +219,9 @@ impl Runnable {
             plan::eval(context, state, node, inputs)
         };
         let run = || -> TractResult<_> { self.plan.spawn()?.run_plan_with_eval(tvec!(input.into_tvalue()), eval) };
-        let outputs = threads::pool(self.threads)?.install(|| op::with_cancel(cancel, run));
+        let broken = || Err(format_err!("its graph is damaged"));
+        let caught = || op::with_cancel(cancel, || panics::caught(run).unwrap_or_else(broken));
+        let outputs = threads::pool(self.threads)?.install(caught);
         stop()?;
         outputs.and_then(|outputs| outputs.into_iter().map(Output::of).collect()).map_err(EngineError::run)
     }

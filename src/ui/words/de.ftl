@@ -932,6 +932,7 @@ heard-engine-input = der Eingang { $name } des Modells kann keine Zahl bekommen 
 heard-engine-port = das Modell hat kein { $what } namens { $name } — es hat { $known } — berichtigen Sie sein Manifest
 heard-engine-shape = das Modell nimmt keine Eingabe der Form { $shape } ({ $detail }) — prüfen Sie die Eingänge in seinem Manifest
 heard-engine-not-finite = die Gewichte { $name } des Modells sind nicht alle endliche Zahlen — sein Training misslang — trainieren oder holen Sie es noch einmal
+heard-engine-room = das Netz braucht { $number } MiB Speicher — { $free } MiB sind frei — nehmen Sie ein kleineres Netz oder eine kleinere Arbeitsgröße
 heard-engine-run = das Netz hielt an ({ $detail })
 heard-engine-threads = keine Threads für das Netz — die Grenze des Systems ist erreicht — schließen Sie andere Programme
 heard-adopt-engine = das Netz wurde nicht hinzugefügt — { $why }

@@ -932,6 +932,7 @@ heard-engine-input = the model's input { $name } cannot be given a number — { 
 heard-engine-port = the model has no { $what } named { $name } — it has { $known } — correct its manifest
 heard-engine-shape = the model does not take an input of { $shape } ({ $detail }) — check the inputs in its manifest
 heard-engine-not-finite = the model's weights { $name } are not all finite numbers — its training failed — train or get it again
+heard-engine-room = the net needs { $number } MiB of memory — { $free } MiB are free — take a smaller net or a smaller working size
 heard-engine-run = the net stopped ({ $detail })
 heard-engine-threads = no threads to run the net on — the system's limit is reached — close other programs
 heard-adopt-engine = the net was not added — { $why }
