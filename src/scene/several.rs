@@ -198,7 +198,7 @@ impl Several {
     fn solve(&self, one: &OnePhoto, job: &Job) -> Result<Outcome, SceneError> {
         let others = self.frames(one, job)?;
         if others.is_empty() {
-            return Ok(Err("There is only one photo that can be used, so its other views are made".to_owned()));
+            return Ok(Err("only one photo can be used; its other views are made".to_owned()));
         }
         let reference = reference_view(&one.photo, burst::FRAME_LONG_SIDE, job)?;
         let frames: Vec<View> = others.iter().map(|other| other.view.clone()).collect();

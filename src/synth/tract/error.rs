@@ -73,12 +73,12 @@ pub enum EngineError {
         name: String,
     },
     /// Its values do not fit in memory.
-    #[error("the net needs {} MiB of memory — {} MiB are free — take a smaller net or a smaller working size", need_bytes >> 20, free_bytes >> 20)]
+    #[error("the net needs {} MiB of memory — {} MiB is what it may take here — take a smaller net or a smaller working size", need_bytes >> 20, most_bytes >> 20)]
     Room {
         /// Bytes of all values that are there at one time.
         need_bytes: u64,
-        /// Bytes that can be had.
-        free_bytes: u64,
+        /// What is free, if that is not too much for any net.
+        most_bytes: u64,
     },
     /// The net stopped in the middle.
     #[error("the net stopped ({detail})")]

@@ -54,7 +54,6 @@ use crate::job::Cancel;
 use crate::kernel::Isa;
 use crate::kernel::winograd::VolumeChain;
 use crate::panics;
-use crate::synth::memory;
 
 /// A net made ready for one input shape. Cheap to clone; may be run from several threads at once.
 #[derive(Clone, Debug)]
@@ -127,7 +126,7 @@ fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result
         }
     }
     let mut model = typed::optimised(model).map_err(shape_error)?;
-    room::check(&model, memory::free_bytes().unwrap_or(u64::MAX))?;
+    room::check(&model)?;
     options.weights.share(&mut model);
     let plan = model.into_runnable().map_err(shape_error)?;
     let output_shape = output_shape(&plan).map_err(shape_error)?;

@@ -4,11 +4,16 @@ use tract_onnx::prelude::*;
 use tract_onnx::tract_core::ops::konst::Const;
 
 use super::EngineError;
+use crate::synth::memory;
 
-/// Refuses a net whose values need more memory at one time than is free.
-pub(super) fn check(model: &TypedModel, free_bytes: u64) -> Result<(), EngineError> {
+/// No net of depth that people use has values of so many bytes at one time.
+const MOST_BYTES: u64 = 8 << 30;
+
+/// Refuses a net whose values need more memory at one time than is free, or than any net should.
+pub(super) fn check(model: &TypedModel) -> Result<(), EngineError> {
     let need_bytes = peak_bytes(model).map_err(EngineError::run)?;
-    if need_bytes <= free_bytes { Ok(()) } else { Err(EngineError::Room { need_bytes, free_bytes }) }
+    let most_bytes = memory::free_bytes().map_or(MOST_BYTES, |free| free.min(MOST_BYTES));
+    if need_bytes <= most_bytes { Ok(()) } else { Err(EngineError::Room { need_bytes, most_bytes }) }
 }
 
 /// Bytes of all values that are there at one time, at most; the weights are there already.

@@ -932,7 +932,7 @@ heard-engine-input = der Eingang { $name } des Modells kann keine Zahl bekommen 
 heard-engine-port = das Modell hat kein { $what } namens { $name } — es hat { $known } — berichtigen Sie sein Manifest
 heard-engine-shape = das Modell nimmt keine Eingabe der Form { $shape } ({ $detail }) — prüfen Sie die Eingänge in seinem Manifest
 heard-engine-not-finite = die Gewichte { $name } des Modells sind nicht alle endliche Zahlen — sein Training misslang — trainieren oder holen Sie es noch einmal
-heard-engine-room = das Netz braucht { $number } MiB Speicher — { $free } MiB sind frei — nehmen Sie ein kleineres Netz oder eine kleinere Arbeitsgröße
+heard-engine-room = das Netz braucht { $number } MiB Speicher — { $most } MiB darf es hier nehmen — nehmen Sie ein kleineres Netz oder eine kleinere Arbeitsgröße
 heard-engine-run = das Netz hielt an ({ $detail })
 heard-engine-threads = keine Threads für das Netz — die Grenze des Systems ist erreicht — schließen Sie andere Programme
 heard-adopt-engine = das Netz wurde nicht hinzugefügt — { $why }
@@ -970,7 +970,7 @@ heard-left-out-shape = { $name } bleibt weg — es hat andere Seitenverhältniss
 heard-left-out-lens = { $name } bleibt weg — es wurde mit anderem Objektiv oder Zoom aufgenommen als das erste Foto
 heard-left-out-than = { $name } bleibt weg — { $why } als das erste Foto
 heard-photos-left-out = Fotos, die nicht passen, bleiben weg
-heard-one-usable = Nur ein Foto ist verwendbar, daher werden seine anderen Ansichten berechnet
+heard-one-usable = nur ein Foto ist verwendbar; seine anderen Ansichten werden berechnet
 heard-no-photo-number = es gibt kein Foto { $wanted } — { $count } wurden angegeben — nennen Sie ein anderes
 
 # Pictures that carry their edit.

@@ -932,7 +932,7 @@ heard-engine-input = the model's input { $name } cannot be given a number — { 
 heard-engine-port = the model has no { $what } named { $name } — it has { $known } — correct its manifest
 heard-engine-shape = the model does not take an input of { $shape } ({ $detail }) — check the inputs in its manifest
 heard-engine-not-finite = the model's weights { $name } are not all finite numbers — its training failed — train or get it again
-heard-engine-room = the net needs { $number } MiB of memory — { $free } MiB are free — take a smaller net or a smaller working size
+heard-engine-room = the net needs { $number } MiB of memory — { $most } MiB is what it may take here — take a smaller net or a smaller working size
 heard-engine-run = the net stopped ({ $detail })
 heard-engine-threads = no threads to run the net on — the system's limit is reached — close other programs
 heard-adopt-engine = the net was not added — { $why }
@@ -970,7 +970,7 @@ heard-left-out-shape = { $name } is left out — it has another shape than the f
 heard-left-out-lens = { $name } is left out — it was taken with another lens or zoom than the first photo
 heard-left-out-than = { $name } is left out — { $why } than the first photo
 heard-photos-left-out = Photos that do not fit are left out
-heard-one-usable = There is only one photo that can be used, so its other views are made
+heard-one-usable = only one photo can be used; its other views are made
 heard-no-photo-number = there is no photo { $wanted } — { $count } were given — name another as --reference
 
 # Pictures that carry their edit.
