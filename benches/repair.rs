@@ -4,7 +4,7 @@
 
 use divan::Bencher;
 use plenoscope::field::{DisparityMap, View};
-use plenoscope::job::Cancel;
+use plenoscope::job::{Cancel, Job};
 use plenoscope::repair::{Brush, Guide, Mender, Operation, Region, Repair, mended};
 
 fn main() {
@@ -48,5 +48,6 @@ fn stroke_sample<const BRUSH: usize>(bencher: Bencher, width: u32) {
 fn click(bencher: Bencher, width: u32) {
     let (map, guide) = parts(width);
     let repair = Repair::Region { of: Region::Click { at: [0.5, 0.5], size: 0.2 }, what: Operation::Join };
-    bencher.bench_local(|| mended(&map, guide.clone(), [&repair], &Cancel::default()));
+    let job = Job { cancel: &Cancel::default(), sink: &() };
+    bencher.bench_local(|| mended(&map, guide.clone(), &[&repair], &job));
 }

@@ -236,10 +236,10 @@ impl App {
         let Window { open, mending, repairs, rest, workers, asked, .. } = &mut self.window;
         let Some(scene) = open.scene() else { return };
         match mending.ask(rest.generation(), scene, repairs, asked) {
-            Some(request @ mending::Request::Mend(..)) => workers.mender.replace(request),
-            Some(request) => workers.outliner.replace(request),
-            None => return,
-        };
+            Some(request @ mending::Request::Mend(..)) => mending.begun(workers.mender.replace(request)),
+            Some(request) => _ = workers.outliner.replace(request),
+            None => {}
+        }
     }
 
     /// Takes note of edits; once the hand rests, they are kept beside the photo.

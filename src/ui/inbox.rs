@@ -38,6 +38,8 @@ pub fn take(window: &mut Window, job: JobId, event: Event, ctx: &Context) {
         loaded(window, event, ctx);
     } else if window.adding.as_ref().is_some_and(|adding| adding.job == job) {
         added(window, event, ctx);
+    } else if window.mending.running.as_ref().is_some_and(|mending| mending.job == job) {
+        mended(window, event, ctx);
     } else if window.queue.has(job) {
         exported(window, job, event, ctx);
     } else {
@@ -54,6 +56,16 @@ fn added(window: &mut Window, event: Event, ctx: &Context) {
             told(window, event, ctx);
         }
         other => told(window, other, ctx),
+    }
+}
+
+/// From the thread that mends.
+fn mended(window: &mut Window, event: Event, ctx: &Context) {
+    if let Event::Progress(progress) = event {
+        window.mending.running.iter_mut().for_each(|running| running.tell(progress));
+    } else {
+        window.mending.running = None;
+        told(window, event, ctx);
     }
 }
 

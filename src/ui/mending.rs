@@ -7,12 +7,14 @@ use egui::{ColorImage, TextureHandle, TextureOptions};
 
 use super::event::Event;
 use super::open::Made;
+use super::progress::Running;
+use super::saver::Told;
 use super::theme;
 use super::words::{Id, id};
 use super::worker::{JobId, Outbox};
 use crate::errors::sentence;
 use crate::field::DisparityMap;
-use crate::job::{Cancel, Job};
+use crate::job::{Cancel, Job, Progress, Stage};
 use crate::render::cpu::Colormap;
 use crate::repair::{Brush, Draft, Guide, Mender, Operation, Place, Region, Repair, Repairs, Stroke};
 use crate::scene::{Making, Need, Scene, SceneError};
@@ -63,6 +65,8 @@ pub struct Mending {
     pub strength: f32,
     /// The repair that the pointer is on in the list.
     pub pointed_at: Option<usize>,
+    /// The light field that is being mended.
+    pub running: Option<Running>,
     chosen: Option<Region>,
     outline: Option<(Region, TextureHandle)>,
     outline_asked_for: Option<(u64, Region)>,
@@ -83,6 +87,7 @@ impl Default for Mending {
             brush: Self::BRUSH,
             strength: Self::STRENGTH,
             pointed_at: None,
+            running: None,
             chosen: None,
             outline: None,
             outline_asked_for: None,
@@ -241,6 +246,13 @@ impl Mending {
         Some(Request::Outline(region, kit.clone()))
     }
 
+    /// The thread mends the light field now.
+    pub fn begun(&mut self, job: JobId) {
+        let mut running = Running::new(job);
+        running.tell(Progress { stage: Stage::Mend, done: 0, total: 1 });
+        self.running = Some(running);
+    }
+
     /// The map that drafts are made on is there.
     pub fn take_kit(&mut self, generation: u64, mender: Box<Mender>) {
         self.kit = Some((generation, mender));
@@ -303,7 +315,7 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
         Request::Kit(generation, scene) => kit(&scene).map(|mender| Answer::Kit(generation, Box::new(mender))),
         Request::Outline(region, mender) => Ok(Answer::Outline(region.clone(), tinted(&mender, &region))),
         Request::Mend(scene, repairs, how) => {
-            let (task, strength) = (Job { cancel, sink: &() }, scene.strength());
+            let (task, strength) = (Job { cancel, sink: &Told(job, outbox) }, scene.strength());
             let mended = scene.mended(&repairs, &task);
             let made = mended.and_then(|mended| mended.at_strength(strength, &how, Need::Views, &task));
             made.and_then(Made::of).map(|made| Answer::Mended(Box::new(made)))

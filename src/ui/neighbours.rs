@@ -12,6 +12,7 @@ use super::words::message;
 use super::worker::{JobId, Outbox, Work};
 use crate::io::folder;
 use crate::job::{Cancel, Job};
+use crate::scene::Recipe;
 
 /// Photos that are held ahead: one before, one after.
 const HELD: usize = 2;
@@ -27,17 +28,20 @@ pub struct Ready {
     pub tiles: Arc<TileSet>,
 }
 
+/// When a photo was changed, and the edit beside it, where there is one.
+type Changed = (SystemTime, Option<SystemTime>);
+
 /// What has been opened ahead. The lock is held for a look only, never while a file is read.
 #[derive(Clone, Default)]
-pub struct Ahead(Arc<Mutex<Vec<(PathBuf, SystemTime, Ready)>>>);
+pub struct Ahead(Arc<Mutex<Vec<(PathBuf, Changed, Ready)>>>);
 
 impl Ahead {
-    /// Takes a photo out, if it is there and its file is still the same.
+    /// Takes a photo out, if it is there and its file and its edit are still the same.
     pub fn take(&self, path: &Path) -> Option<Ready> {
         let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let at = held.iter().position(|(held, ..)| held == path)?;
-        let (_, modified, ready) = held.swap_remove(at);
-        (changed(path)? == modified).then_some(ready)
+        let (_, before, ready) = held.swap_remove(at);
+        (changed(path)? == before).then_some(ready)
     }
 
     fn holds(&self, path: &Path) -> bool {
@@ -48,16 +52,17 @@ impl Ahead {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|(held, ..)| paths.contains(held));
     }
 
-    fn put(&self, path: PathBuf, modified: SystemTime, ready: Ready) {
+    fn put(&self, path: PathBuf, changed: Changed, ready: Ready) {
         let mut held = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        held.push((path, modified, ready));
+        held.push((path, changed, ready));
         let over = held.len().saturating_sub(HELD);
         held.drain(..over);
     }
 }
 
-fn changed(path: &Path) -> Option<SystemTime> {
-    path.metadata().and_then(|meta| meta.modified()).ok()
+fn changed(path: &Path) -> Option<Changed> {
+    let of = |path: &Path| path.metadata().and_then(|meta| meta.modified()).ok();
+    Some((of(path)?, of(&Recipe::sidecar(path))))
 }
 
 /// What is wanted of a file's folder.
@@ -103,11 +108,11 @@ fn prefetch(path: &Path, ahead: &Ahead, cancel: &Cancel) {
         if cancel.is_cancelled() || !is_small || ahead.holds(&path) {
             continue;
         }
-        let Some(modified) = changed(&path) else { continue };
+        let Some(changed) = changed(&path) else { continue };
         let Ok(document) = Document::read(&path, &Job { cancel, sink: &() }) else { continue };
         if let Some(photo) = document.subject.photo() {
             let tiles = Arc::new(TileSet::new(photo.size(), photo.srgb8()));
-            ahead.put(path, modified, Ready { document, tiles });
+            ahead.put(path, changed, Ready { document, tiles });
         }
     }
 }
@@ -133,6 +138,9 @@ mod tests {
         let ready = ahead.take(&paths[3]).unwrap();
         assert_eq!(ready.document.subject.name, "p4.png");
         assert!(ahead.take(&paths[3]).is_none(), "it was taken");
+        prefetch(&paths[2], &ahead, &Cancel::default());
+        std::fs::write(Recipe::sidecar(&paths[3]), "{}").unwrap();
+        assert!(ahead.take(&paths[3]).is_none(), "its edit has changed since");
         let file = std::fs::File::options().append(true).open(&paths[1]).unwrap();
         file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
         assert!(ahead.take(&paths[1]).is_none(), "the file has changed since");

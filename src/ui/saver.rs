@@ -64,8 +64,8 @@ pub fn worker(maker: Arc<Maker>) -> impl Work<Order> {
     }
 }
 
-/// Only how far it is goes to the window: depths and views of a queued photo are not those that are shown.
-struct Told<'a>(JobId, &'a Outbox);
+/// Only how far a job is goes to the window: its depths and views are not those that are shown.
+pub(super) struct Told<'a>(pub(super) JobId, pub(super) &'a Outbox);
 
 impl Sink for Told<'_> {
     fn progress(&self, progress: Progress) {

@@ -218,7 +218,8 @@ fn status_line(window: &Window, ui: &Ui) -> Option<Action> {
         Some(pictures) => pictures.adapter.as_str(),
     };
     let loading = window.loading.running().or(window.adding.as_ref());
-    status::show(&Status { open, loading, queue, look, drawn_by, threads: *threads }, ui)
+    let mending = window.mending.running.as_ref();
+    status::show(&Status { open, loading, mending, queue, look, drawn_by, threads: *threads }, ui)
 }
 
 /// Draws the dialog that is open.

@@ -20,6 +20,8 @@ pub struct Status<'a> {
     pub open: &'a Open,
     /// What is being opened or made.
     pub loading: Option<&'a Running>,
+    /// The depth that is being mended; taking back a repair ends it.
+    pub mending: Option<&'a Running>,
     /// What is being exported.
     pub queue: &'a Queue,
     /// The zoom.
@@ -38,12 +40,15 @@ pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
     let y = rect.center().y;
     let mut x = rect.left();
     if let Some(running) = shown.loading {
-        x = job(ui, running, None, pos2(x, y)) + 24.0;
+        x = job(ui, running, None, pos2(x, y), stops(running)) + 24.0;
+    }
+    if let Some(running) = shown.mending {
+        x = job(ui, running, None, pos2(x, y), running.time()) + 24.0;
     }
     if let Some(task) = shown.queue.current() {
         let start = x;
         x = match &task.state {
-            State::Running(running) => job(ui, running, Some(&task.title), pos2(x, y)),
+            State::Running(running) => job(ui, running, Some(&task.title), pos2(x, y), stops(running)),
             _ => ui.painter().text(pos2(x, y), Align2::LEFT_CENTER, &task.title, theme::small(), colors.weak).right(),
         };
         let others = shown.queue.open_count() - 1;
@@ -59,7 +64,7 @@ pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
             action = Some(Action::Do(Command::Queue));
         }
     }
-    if shown.loading.is_some() || shown.queue.is_busy() {
+    if shown.loading.is_some() || shown.mending.is_some() || shown.queue.is_busy() {
         ui.ctx().request_repaint_after(std::time::Duration::from_millis(200));
     } else {
         let text = idle_text(shown.open);
@@ -83,6 +88,11 @@ pub fn show(shown: &Status, ui: &Ui) -> Option<Action> {
     action
 }
 
+/// How long it has taken, and how to stop it.
+fn stops(running: &Running) -> String {
+    t!("esc-stops", time = running.time())
+}
+
 fn idle_text(open: &Open) -> &'static str {
     match (open, open.field().is_some(), open.rays().is_some()) {
         (Open::Nothing, ..) => t!("idle-nothing"),
@@ -93,7 +103,7 @@ fn idle_text(open: &Open) -> &'static str {
 }
 
 /// A job with its bar; returns where it ends.
-fn job(ui: &Ui, running: &Running, title: Option<&str>, at: egui::Pos2) -> f32 {
+fn job(ui: &Ui, running: &Running, title: Option<&str>, at: egui::Pos2, time: String) -> f32 {
     let colors = theme::palette(ui.ctx());
     let label = title.map_or_else(|| running.label(), |title| format!("{title} · {}", running.label()));
     let text = ui.painter().text(at, Align2::LEFT_CENTER, label, theme::small(), colors.text);
@@ -101,7 +111,6 @@ fn job(ui: &Ui, running: &Running, title: Option<&str>, at: egui::Pos2) -> f32 {
     ui.painter().rect_filled(bar, 2, colors.control);
     let done = Rect::from_min_size(bar.min, vec2(bar.width() * running.share(), bar.height()));
     ui.painter().rect_filled(done, 2, colors.accent);
-    let time = t!("esc-stops", time = running.time());
     let at = pos2(bar.right() + 16.0, at.y);
     ui.painter().text(at, Align2::LEFT_CENTER, time, theme::small(), colors.weak).right()
 }
