@@ -76,6 +76,18 @@ impl Sink for ToWindow<'_> {
     }
 }
 
+/// Only how far a job is goes to the window: its depths and views are not those that are shown.
+pub struct Progressing<'a>(pub JobId, pub &'a Outbox);
+
+impl Sink for Progressing<'_> {
+    fn progress(&self, progress: Progress) {
+        self.1.send(self.0, Event::Progress(progress));
+    }
+    fn warning(&self, text: String) {
+        log::info!("{text}");
+    }
+}
+
 /// The work of the thread that opens and synthesizes. `remembers`: whether small pictures of what was opened are kept for
 /// the next time.
 pub fn loader(maker: Arc<Maker>, ahead: Ahead, remembers: bool) -> impl Work<Load> {

@@ -6,9 +6,9 @@
 use egui::{ColorImage, TextureHandle, TextureOptions};
 
 use super::event::Event;
+use super::jobs::Progressing;
 use super::open::Made;
 use super::progress::Running;
-use super::saver::Told;
 use super::theme;
 use super::words::{Id, id};
 use super::worker::{JobId, Outbox};
@@ -315,7 +315,7 @@ pub fn work(job: JobId, request: Request, cancel: &Cancel, outbox: &Outbox) {
         Request::Kit(generation, scene) => kit(&scene).map(|mender| Answer::Kit(generation, Box::new(mender))),
         Request::Outline(region, mender) => Ok(Answer::Outline(region.clone(), tinted(&mender, &region))),
         Request::Mend(scene, repairs, how) => {
-            let (task, strength) = (Job { cancel, sink: &Told(job, outbox) }, scene.strength());
+            let (task, strength) = (Job { cancel, sink: &Progressing(job, outbox) }, scene.strength());
             let mended = scene.mended(&repairs, &task);
             let made = mended.and_then(|mended| mended.at_strength(strength, &how, Need::Views, &task));
             made.and_then(Made::of).map(|made| Answer::Mended(Box::new(made)))

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::event::Event;
+use super::jobs::Progressing;
 use super::worker::{JobId, Outbox, Work};
 use crate::errors::sentence;
-use crate::job::{Cancel, Job, Progress, Sink, Stage};
+use crate::job::{Cancel, Job, Stage};
 use crate::scene::export::{self, FileExport, Settings, Written};
 use crate::scene::{Edit, Maker, Making, Need, Recipe, Scene, SceneError};
 
@@ -47,7 +48,7 @@ pub enum Order {
 /// The work of the thread that writes.
 pub fn worker(maker: Arc<Maker>) -> impl Work<Order> {
     move |job: JobId, order: Order, cancel: &Cancel, outbox: &Outbox| {
-        let told = Told(job, outbox);
+        let told = Progressing(job, outbox);
         let task = Job { cancel, sink: &told };
         let done = match order {
             Order::Shown(shown) => shown.run(&task),
@@ -61,18 +62,6 @@ pub fn worker(maker: Arc<Maker>) -> impl Work<Order> {
                 Err(error) => Event::Failed(sentence(&error).into()),
             },
         );
-    }
-}
-
-/// Only how far a job is goes to the window: its depths and views are not those that are shown.
-pub(super) struct Told<'a>(pub(super) JobId, pub(super) &'a Outbox);
-
-impl Sink for Told<'_> {
-    fn progress(&self, progress: Progress) {
-        self.1.send(self.0, Event::Progress(progress));
-    }
-    fn warning(&self, text: String) {
-        log::info!("{text}");
     }
 }
 
