@@ -20,6 +20,7 @@
 //! * [`ui`]: the window. Everything else works without it (cargo feature `ui`).
 //! * [`job`]: progress and cancel, for every long computation; [`errors`]: what went wrong, as a sentence; [`crash`]: what
 //!   is kept of a fault in the program.
+//! * [`apart`]: work that a stranger's file could break, in a process of its own.
 //! * [`aside`]: files and folders that are there whole or not at all; [`within`]: what others sent, within bounds;
 //!   [`shard`]: one of several parts of some work; [`markup`]: text inside HTML and XML.
 //!
@@ -51,6 +52,7 @@
 //!
 //! The library computes; the front doors (window, command line, trainer) listen.
 
+pub mod apart;
 pub mod aside;
 pub mod background;
 pub mod bench;

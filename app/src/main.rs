@@ -12,14 +12,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use plenoscope::apart::{self, Work};
 use plenoscope::aside;
 use plenoscope::crash;
-use plenoscope::io::apart;
+use plenoscope::io::decoder;
 use plenoscope::job::{Cancel, Job};
 use plenoscope::kernel::blocks::LargeBlocks;
 use plenoscope::scene::SceneError;
 use plenoscope::scene::asked::Usage;
-use plenoscope::synth::adopt::Shelf;
+use plenoscope::synth::adopt::{self, Shelf};
 use plenoscope::synth::cache::Cache;
 
 use crate::cli::{Cli, Talk};
@@ -34,10 +35,10 @@ const USAGE: u8 = 2;
 static BLOCKS: LargeBlocks = LargeBlocks::keeping(384 << 20);
 
 fn main() -> ExitCode {
-    if apart::is_asked_for(std::env::args_os()) {
-        return apart::serve().map_or(ExitCode::FAILURE, |()| ExitCode::SUCCESS);
+    if let Some(work) = Work::asked_for(std::env::args_os()) {
+        return serve(&work).map_or(ExitCode::FAILURE, |()| ExitCode::SUCCESS);
     }
-    decode_apart();
+    work_apart();
     let cli = Cli::parse_from(values::spread(std::env::args_os()));
     log_to_stderr(&cli.talk);
     if let Some(folder) = crash::folder() {
@@ -61,13 +62,21 @@ fn main() -> ExitCode {
     }
 }
 
-/// Lets this same program decode, in processes of their own.
-fn decode_apart() {
+/// Does what another process of this program asked for.
+fn serve(work: &Work) -> std::io::Result<()> {
+    match work {
+        Work::Decode => decoder::serve(),
+        Work::ReadNet { path, picture } => adopt::serve(path, *picture),
+    }
+}
+
+/// Lets this same program do what could break it, in processes of their own.
+fn work_apart() {
     // The name of a program that was replaced since leads nowhere.
     let itself = Path::new("/proc/self/exe");
     match std::env::current_exe() {
-        _ if itself.exists() => apart::decode_with(itself.to_owned()),
-        Ok(program) => apart::decode_with(program),
+        _ if itself.exists() => apart::work_with(itself.to_owned()),
+        Ok(program) => apart::work_with(program),
         Err(_) => {}
     }
 }

@@ -9,11 +9,11 @@
 //! Parsers never trust a length: sizes are checked in the header before anything is allocated, and what is only extra
 //! (a broken depth map in a sound photo) becomes a warning.
 
-pub mod apart;
 mod avi;
 pub mod carried;
 #[cfg(test)]
 pub(crate) mod data_tests;
+pub mod decoder;
 mod error;
 pub mod exif;
 mod file_type;

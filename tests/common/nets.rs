@@ -111,6 +111,24 @@ pub fn onnx(layers: &[Layer], seed: u64) -> Vec<u8> {
     model(nodes, tensors, value("x", first.from, first.axes), value("y", last.to, last.axes))
 }
 
+/// The ONNX file of a net that adds the mean of some numbers to one colour of the picture: so many zeros beside a one and a two,
+/// which are made while it is read.
+pub fn with_a_constant_of(zeros: i64) -> Vec<u8> {
+    let raw = |numbers: &[i64]| numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    let tensors = vec![
+        tensor("two".to_owned(), &[2], DataType::Float, [1.0_f32, 2.0].map(f32::to_le_bytes).concat()),
+        tensor("zeros".to_owned(), &[2], DataType::Int64, raw(&[0, zeros])),
+        tensor("w".to_owned(), &[1, 3, 1, 1], DataType::Float, [0.1_f32, -0.2, 0.1].map(f32::to_le_bytes).concat()),
+    ];
+    let nodes = vec![
+        node("Pad", &["two", "zeros"], "numbers", vec![]),
+        node("ReduceMean", &["numbers"], "mean", vec![ints("axes", vec![0])]),
+        node("Conv", &["x", "w"], "colour", vec![ints("kernel_shape", vec![1, 1])]),
+        node("Add", &["colour", "mean"], "y", vec![]),
+    ];
+    model(nodes, tensors, value("x", 3, 2), value("y", 1, 2))
+}
+
 /// The ONNX file of a graph with one input and one output.
 fn model(node: Vec<NodeProto>, tensors: Vec<TensorProto>, input: ValueInfoProto, output: ValueInfoProto) -> Vec<u8> {
     let graph = GraphProto {

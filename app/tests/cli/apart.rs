@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use plenoscope::io::{self, Opened, apart};
+use plenoscope::apart;
+use plenoscope::io::{self, Opened};
 use plenoscope::job::{Cancel, Job};
 
 /// Photos in AV1, of all kinds that there are.
@@ -36,7 +37,7 @@ fn a_picture_is_the_same_whoever_decodes_it() {
         photos.push(path);
     }
     let within: Vec<_> = photos.iter().map(|path| open(path)).collect();
-    apart::decode_with(assert_cmd::cargo::cargo_bin!("plenoscope").to_owned());
+    apart::work_with(assert_cmd::cargo::cargo_bin!("plenoscope").to_owned());
     for (path, within) in photos.iter().zip(within) {
         assert_eq!(open(path), within, "{}", path.display());
     }

@@ -35,6 +35,18 @@ fn a_photo_becomes_a_light_field_with_the_nets_in_the_program() {
     assert!(!index["models"].as_array().unwrap().is_empty(), "{index}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_net_that_fills_memory_while_it_is_read_is_one_line() {
+    let dir = Scratch::new();
+    fs::write(dir.path("greedy.onnx"), small_nets::with_a_constant_of(1 << 40)).unwrap();
+    let said = starts_with("error: the net was not added").and(contains("more memory")).and(contains("panicked").not());
+    plenoscope(&["models", "add", &dir.arg("greedy.onnx")]).assert().code(1).stderr(said);
+    fs::write(dir.path("modest.onnx"), small_nets::with_a_constant_of(1 << 10)).unwrap();
+    let said = starts_with("error: the net was not added").and(contains("correlation"));
+    plenoscope(&["models", "add", &dir.arg("modest.onnx")]).assert().code(1).stderr(said);
+}
+
 #[test]
 fn a_folder_without_models_is_one_line() {
     let dir = Scratch::new();

@@ -21,6 +21,14 @@ pub enum AdoptError {
         /// What the engine said: a sentence with what to do.
         source: EngineError,
     },
+    /// Reading it took more memory or time than there is, or broke the process that did it.
+    #[error(
+        "the net was not added — reading it takes more memory or time than a net may — choose another file of that net: {}", path.display()
+    )]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+    },
     /// It takes no picture.
     #[error(
         "the net was not added — it takes no picture of three colours, its inputs are {inputs} — choose a depth net"
@@ -103,6 +111,14 @@ pub enum AdoptError {
 }
 
 impl AdoptError {
+    pub(super) fn engine(path: &Path) -> impl Fn(EngineError) -> Self {
+        let path = path.to_owned();
+        move |source| match source {
+            EngineError::Cancelled => Self::Cancelled(Cancelled),
+            source => Self::Engine { path: path.clone(), source },
+        }
+    }
+
     pub(super) fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::Io {

@@ -1,18 +1,19 @@
 //! A net is tried on a picture whose depth is known: which colours it wants, and which way its numbers run.
 
-use std::io::Read as _;
 use std::path::Path;
 use std::time::Instant;
 
-use super::draft::{Draft, draft};
+use super::draft::Draft;
 use super::error::AdoptError;
-use super::family::{self, Colours, Family};
+use super::family::{Colours, Family};
+use super::reading::Reading;
+use super::rehearsal;
 use crate::field::{DisparityMap, Filter, RelativeDepth, View, correlation, resample, spearman};
 use crate::job::{Job, Stage};
 use crate::synth::library::checksum;
-use crate::synth::relative::{input_shape, map_of, relative_input, working_size};
-use crate::synth::tract::{EngineError, OnnxBytes, OnnxFile, Options, Output, Runnable, prepare_file, signs};
-use crate::synth::{ColourOrder, LongSides, Manifest, RelativeOutput, Signed, Task};
+use crate::synth::relative::{map_of, relative_input};
+use crate::synth::tract::{EngineError, Output, Runnable, Signs};
+use crate::synth::{ColourOrder, Manifest, RelativeOutput, Signed};
 
 /// Least rank correlation with the known depth at which a net is taken for a depth net.
 const LEAST: f32 = 0.6;
@@ -20,11 +21,6 @@ const LEAST: f32 = 0.6;
 const PLAIN: f32 = 0.7;
 /// By how much a reading of the numbers must fit better than the plainer one.
 const BETTER: f32 = 0.03;
-/// No ONNX file is larger: it is a protobuf.
-const LARGEST_BYTES: u64 = i32::MAX as u64;
-/// First bytes that a model can have: its protobuf's fields, each eight times its number and the kind of its value.
-const FIRST: [u8; 9] = [0x08, 0x12, 0x1a, 0x22, 0x28, 0x32, 0x3a, 0x42, 0x72];
-
 /// A picture whose depth is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
@@ -74,63 +70,30 @@ impl Adopted {
 /// # Errors
 /// [`AdoptError`].
 pub fn adopt(path: &Path, known: Known, any: bool, job: &Job) -> Result<Adopted, AdoptError> {
-    let length = std::fs::metadata(path).map_err(AdoptError::read(path))?.len();
-    if length > LARGEST_BYTES {
-        return Err(AdoptError::TooLarge { bytes: length });
-    }
-    let engine = |source| match source {
-        EngineError::Cancelled => AdoptError::Cancelled(crate::job::Cancelled),
-        source => AdoptError::Engine { path: path.to_owned(), source },
-    };
-    if !begins_as_onnx(path).map_err(AdoptError::read(path))? {
-        return Err(engine(EngineError::Parse { detail: "it does not begin as one".to_owned() }));
-    }
-    let signs = signs(OnnxBytes::File(path)).map_err(engine)?;
-    let family = family::of(&signs);
-    let draft = draft(&signs, family)?;
-    let mut manifest = manifest(path, checksum(path).map_err(AdoptError::read(path))?, &draft, family);
-    let mut all_bytes = length;
-    for name in &signs.files {
-        let file = path.with_file_name(name);
-        // That it is not there is said by the engine, with its name.
-        let Ok(data) = std::fs::metadata(&file) else { continue };
-        all_bytes += data.len();
-        manifest.data_files.insert(name.clone(), checksum(&file).map_err(AdoptError::read(&file))?);
-    }
-    let size = working_size(&manifest, known.view.size());
-    let wiring = manifest.relative.wiring();
-    let file = OnnxFile { wiring: &wiring, ..OnnxFile::on_disk(path) };
-    let options = Options { cancel: job.cancel.clone(), ..Options::default() };
-    let net = prepare_file(&file, &input_shape(&manifest, size), &options).map_err(engine)?;
+    let photo = known.view.size();
+    rehearsal::check(path, photo, job.cancel)?;
+    let Reading { signs, family, draft, mut manifest, size, net } = Reading::of(path, photo, job.cancel)?;
+    let bytes = sealed(path, &signs, &mut manifest)?;
     let trial = Trial { net, manifest: &manifest, picture: Signed::resized(known.view, size, Filter::Lanczos3), known };
-    let best = trial.best(&draft, family, job).map_err(engine)?;
+    let best = trial.best(&draft, family, job).map_err(AdoptError::engine(path))?;
     best.check(any)?;
     let Answer { rules, correlation, seconds, depth, .. } = best;
     manifest.relative = rules;
     let (name, warning) = (family.map(|family| family.name), family.and_then(|family| family.warning));
-    Ok(Adopted { manifest, family: name, warning, correlation, seconds, bytes: all_bytes, depth })
+    Ok(Adopted { manifest, family: name, warning, correlation, seconds, bytes, depth })
 }
 
-/// Whether a file may be ONNX: what is not is never read whole, as it may be large.
-fn begins_as_onnx(path: &Path) -> std::io::Result<bool> {
-    let mut first = [0];
-    let mut file = std::fs::File::open(path)?;
-    Ok(file.read(&mut first)? == 1 && FIRST.contains(&first[0]))
-}
-
-fn manifest(path: &Path, sha256: String, draft: &Draft, family: Option<&Family>) -> Manifest {
-    let text = |part: Option<&std::ffi::OsStr>| part.unwrap_or_default().to_string_lossy().into_owned();
-    Manifest {
-        id: text(path.file_stem()),
-        task: Task::RelativeDepth,
-        file: text(path.file_name()),
-        sha256,
-        licence: family.map(|family| family.licence.to_owned()).unwrap_or_default(),
-        working_long_side: LongSides::One(draft.long_side),
-        multiple_of: draft.multiple_of,
-        relative: draft.rules.clone(),
-        ..Manifest::default()
+/// Writes the checksums of all files of a net into its manifest; answers their bytes.
+fn sealed(path: &Path, signs: &Signs, manifest: &mut Manifest) -> Result<u64, AdoptError> {
+    let checksum = |path: &Path| checksum(path).map_err(AdoptError::read(path));
+    manifest.sha256 = checksum(path)?;
+    let mut bytes = std::fs::metadata(path).map_err(AdoptError::read(path))?.len();
+    for name in &signs.files {
+        let file = path.with_file_name(name);
+        bytes += std::fs::metadata(&file).map_err(AdoptError::read(&file))?.len();
+        manifest.data_files.insert(name.clone(), checksum(&file)?);
     }
+    Ok(bytes)
 }
 
 /// A net ready for the known picture.

@@ -936,6 +936,7 @@ heard-engine-room = das Netz braucht { $number } MiB Speicher — { $most } MiB 
 heard-engine-run = das Netz hielt an ({ $detail })
 heard-engine-threads = keine Threads für das Netz — die Grenze des Systems ist erreicht — schließen Sie andere Programme
 heard-adopt-engine = das Netz wurde nicht hinzugefügt — { $why }
+heard-adopt-unreadable = das Netz wurde nicht hinzugefügt — es zu lesen braucht mehr Speicher oder Zeit, als ein Netz darf — wählen Sie eine andere Datei dieses Netzes
 heard-adopt-no-picture = das Netz wurde nicht hinzugefügt — es nimmt kein Bild mit drei Farben, seine Eingänge sind { $inputs } — wählen Sie ein Tiefennetz
 heard-adopt-pictures = das Netz wurde nicht hinzugefügt — es nimmt mehrere Bilder ({ $inputs }) — wählen Sie eines, das Tiefe aus einem Foto macht
 heard-adopt-extra = das Netz wurde nicht hinzugefügt — außer dem Bild will es { $name }, und niemand weiß hier, was das ist — exportieren Sie es ohne diesen Eingang, oder schreiben Sie sein Manifest von Hand (models/MANIFEST.md)

@@ -936,6 +936,7 @@ heard-engine-room = the net needs { $number } MiB of memory — { $most } MiB is
 heard-engine-run = the net stopped ({ $detail })
 heard-engine-threads = no threads to run the net on — the system's limit is reached — close other programs
 heard-adopt-engine = the net was not added — { $why }
+heard-adopt-unreadable = the net was not added — reading it takes more memory or time than a net may — choose another file of that net
 heard-adopt-no-picture = the net was not added — it takes no picture of three colours, its inputs are { $inputs } — choose a depth net
 heard-adopt-pictures = the net was not added — it takes several pictures ({ $inputs }) — choose one that makes depth of one photo
 heard-adopt-extra = the net was not added — besides the picture it wants { $name }, and nobody here knows what — export it without that input, or write its manifest by hand (models/MANIFEST.md)

@@ -8,7 +8,7 @@ use heifer::heifer_isobmff::{HeifFile, ItemId};
 use super::apple::Scale;
 use super::spatial;
 use crate::field::RelativeDepth;
-use crate::io::apart::{self, Decoded, RgbaPixels, Task};
+use crate::io::decoder::{self, Decoded, RgbaPixels, Task};
 use crate::io::file_type::FileType;
 use crate::io::formats;
 use crate::io::raster::heif::{Cicp, check_parts, is_heic, turn};
@@ -53,7 +53,7 @@ fn problem(error: impl std::fmt::Display) -> Problem {
 /// Decodes a picture beside the main one, if its size is bearable: a size, pixels, and what white is.
 pub(super) fn decode_item(file: &HeifFile, bytes: &[u8], id: ItemId) -> Result<Other, Problem> {
     check_item(file, bytes.len(), id, DEEP_BYTES)?;
-    let Decoded { size, pixels, told, .. } = apart::decode(Task::HeicItem(id), bytes)?;
+    let Decoded { size, pixels, told, .. } = decoder::decode(Task::HeicItem(id), bytes)?;
     match pixels.into_samples() {
         Samples::Sixteen(pixels) => Ok(Other { size, pixels, white: f32::from(told[0]) }),
         Samples::Eight(_) => Err(Problem::damaged(FORMAT, "a picture beside the main one is odd")),
@@ -116,7 +116,7 @@ fn check_item(file: &HeifFile, file_bytes: usize, id: ItemId, bytes_per_pixel: u
 fn decode_photo(bytes: &[u8], file: &HeifFile) -> Result<Raster, Problem> {
     let id = file.primary_id;
     check_item(file, bytes.len(), id, photo_bytes(file))?;
-    let Decoded { size, pixels, has_alpha, .. } = apart::decode(Task::Heic, bytes)?;
+    let Decoded { size, pixels, has_alpha, .. } = decoder::decode(Task::Heic, bytes)?;
     let samples = pixels.into_samples();
     let metadata = heifer::item_metadata(file, id).unwrap_or_default();
     let cicp = Cicp::of(file, id);

@@ -17,7 +17,7 @@ use super::heif::{self, Cicp};
 use super::{Channel, Raster, Samples, check_size, color, hdr};
 use crate::field::sides;
 use crate::io::Problem;
-use crate::io::apart::{self, Decoded, RgbaPixels, Task};
+use crate::io::decoder::{self, Decoded, RgbaPixels, Task};
 use crate::io::file_type::{FileType, Pixels};
 use coded::Coded;
 
@@ -66,7 +66,7 @@ fn decode(bytes: &[u8]) -> Result<Raster, Problem> {
     let id = file.primary_id;
     // What cannot be a picture need not be tried.
     let whole = Tiling::of(&file, id, bytes.len())?.size;
-    let Decoded { size, pixels, has_alpha, told } = apart::decode(Task::Avif, bytes)?;
+    let Decoded { size, pixels, has_alpha, told } = decoder::decode(Task::Avif, bytes)?;
     if size != whole {
         return Err(Problem::damaged(FORMAT, "its picture has another size than its header says"));
     }

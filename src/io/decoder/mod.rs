@@ -1,29 +1,22 @@
-//! Decoders that are ports of C work in a process of their own, so that their faults are not ours.
+//! Decoders that are ports of C work in a process of their own ([`apart`](crate::apart)).
 //!
-//! The process is this program again, with limits (`bounds`): its memory and time end somewhere, and it can open no file,
-//! no connection and no other program. It gets the file and the task through a pipe and answers through another
-//! (`wire`). However it ends, the answer is a picture or one sentence. A program that has not said how it is started as a
-//! decoder ([`decode_with`]), as Python's interpreter or a test, decodes within itself, and panics are caught.
+//! The process gets the file and the task through a pipe and answers through another (`wire`). It can open no file, no
+//! connection and no other program. However it ends, the answer is a picture or one sentence. Where the decoder works
+//! within this program, panics are caught.
 
-mod bounds;
 mod wire;
 
-use std::ffi::OsStr;
 use std::io::{self, BufReader, Write};
-use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
+use std::process::{Child, Stdio};
 
 use super::Problem;
 use super::raster::Samples;
+use crate::apart::{Bounds, Work};
 use crate::panics;
 pub(crate) use wire::Task;
 
-/// The only argument of a program that is started as a decoder.
-pub const ARGUMENT: &str = "--decode-for-another";
-
-/// The program that decodes; none decodes here.
-static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+/// Twice what the largest picture takes, its planes, and what its threads need.
+const BOUNDS: Bounds = Bounds { memory: 6 << 30, secs: 120, is_shut: true };
 
 /// What a decoder makes of a file.
 #[derive(Debug)]
@@ -51,24 +44,13 @@ impl RgbaPixels {
     }
 }
 
-/// From now on a program decodes what ports of C would decode here: started with [`ARGUMENT`] it has to call [`serve`].
-/// The first one stays.
-pub fn decode_with(program: PathBuf) {
-    PROGRAM.get_or_init(|| program);
-}
-
-/// Whether the arguments of a program say that it is a decoder.
-pub fn is_asked_for(mut arguments: impl Iterator<Item = impl AsRef<OsStr>>) -> bool {
-    arguments.nth(1).is_some_and(|first| first.as_ref() == ARGUMENT) && arguments.next().is_none()
-}
-
 /// Does one task from stdin, within limits, and answers on stdout.
 ///
 /// # Errors
 /// Pipes that break; limits that the system does not set.
 pub fn serve() -> io::Result<()> {
     let (task, bytes) = wire::read_request(&mut io::stdin().lock())?;
-    bounds::set()?;
+    BOUNDS.set()?;
     let answer = here(task, &bytes);
     let mut stdout = io::stdout().lock();
     wire::write_answer(&mut stdout, &answer)?;
@@ -77,9 +59,8 @@ pub fn serve() -> io::Result<()> {
 
 /// Does a task, elsewhere where that has been said.
 pub(crate) fn decode(task: Task, bytes: &[u8]) -> Result<Decoded, Problem> {
-    let Some(program) = PROGRAM.get() else { return here(task, bytes) };
-    match Command::new(program).arg(ARGUMENT).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn()
-    {
+    let Some(mut command) = Work::Decode.command() else { return here(task, bytes) };
+    match command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn() {
         Ok(child) => Asked(child).answer(task, bytes),
         Err(error) => {
             log::warn!("a decoder cannot be started, so the picture is decoded here: {error}");
@@ -132,6 +113,8 @@ impl Drop for Asked {
 
 #[cfg(test)]
 mod tests {
+    use std::process::Command;
+
     use super::*;
 
     /// Asks a program that is no decoder.
@@ -153,13 +136,5 @@ mod tests {
                 "{said}"
             );
         }
-    }
-
-    #[test]
-    fn only_one_argument_makes_a_decoder() {
-        assert!(is_asked_for(["plenoscope", ARGUMENT].iter()));
-        assert!(!is_asked_for(["plenoscope", "info", ARGUMENT].iter()));
-        assert!(!is_asked_for(["plenoscope", ARGUMENT, "x"].iter()));
-        assert!(!is_asked_for(["plenoscope"].iter()));
     }
 }

@@ -1,27 +1,30 @@
-//! What a decoder may take and do. It has its file already and gives its picture through a pipe that is open: it needs
-//! nothing else.
+//! What work of its own process may take and do. What it needs it has already, or reads from files that lie there.
 
 use std::io;
 use std::time::Duration;
 
-/// Memory, in bytes: twice what the largest picture takes, its planes, and what its threads need.
-#[cfg(target_os = "linux")]
-const MEMORY: u64 = 6 << 30;
-/// Processor time, in seconds.
-#[cfg(target_os = "linux")]
-const PROCESSOR_SECS: u64 = 120;
-/// Time on the clock: a thread that waits for one that broke uses no processor.
-const LONGEST: Duration = Duration::from_secs(120);
+/// Limits of a process that works for another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    /// Memory, in bytes.
+    pub(crate) memory: u64,
+    /// Time of the processor in seconds, and on the clock: a thread that waits for one that broke uses no processor.
+    pub(crate) secs: u64,
+    /// Whether it can open no file and no connection, start no program and change no file (Linux).
+    pub(crate) is_shut: bool,
+}
 
-/// Sets all limits that this system has.
-pub(super) fn set() -> io::Result<()> {
-    std::thread::Builder::new().name("clock".to_owned()).spawn(|| {
-        std::thread::sleep(LONGEST);
-        std::process::abort();
-    })?;
-    #[cfg(target_os = "linux")]
-    linux::set()?;
-    Ok(())
+impl Bounds {
+    /// Sets all limits that this system has, for good.
+    pub(crate) fn set(self) -> io::Result<()> {
+        std::thread::Builder::new().name("clock".to_owned()).spawn(move || {
+            std::thread::sleep(Duration::from_secs(self.secs));
+            std::process::abort();
+        })?;
+        #[cfg(target_os = "linux")]
+        linux::set(self)?;
+        Ok(())
+    }
 }
 
 #[cfg(target_os = "linux")]
@@ -32,24 +35,24 @@ mod linux {
     use rustix::process::{Resource, Rlimit, Signal, getrlimit, set_parent_process_death_signal, setrlimit};
     use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch, apply_filter_all_threads};
 
-    use super::{MEMORY, PROCESSOR_SECS};
+    use super::Bounds;
 
-    pub(super) fn set() -> io::Result<()> {
+    pub(super) fn set(bounds: Bounds) -> io::Result<()> {
         // Who asked has gone: nobody wants the answer.
         set_parent_process_death_signal(Some(Signal::KILL))?;
         for (resource, most) in [
-            (Resource::Data, MEMORY),
-            (Resource::Cpu, PROCESSOR_SECS),
+            (Resource::Data, bounds.memory),
+            (Resource::Cpu, bounds.secs),
             (Resource::Fsize, 0),
             (Resource::Core, 0),
-            (Resource::Nofile, 16),
+            (Resource::Nofile, 64),
         ] {
             // Nobody may raise what the system has set lower.
             let now = getrlimit(resource);
             let most = now.maximum.map_or(most, |hard| hard.min(most));
             setrlimit(resource, Rlimit { current: Some(most), maximum: Some(most) })?;
         }
-        forbid()
+        if bounds.is_shut { forbid() } else { Ok(()) }
     }
 
     /// Forbids to open files and connections, to start programs, and to touch other processes. What is not named here
