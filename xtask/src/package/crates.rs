@@ -84,7 +84,7 @@ pub(super) fn of_program(package: &Package) -> Result<Vec<Crate>> {
 pub(super) fn licences(root: &Path, crates: &[Crate]) -> Result<Vec<u8>> {
     let nets = fs::read_to_string(root.join("models/NOTICE"))?;
     let mut text = format!(
-        "Plenoscope is licensed under MIT or Apache-2.0, as you like.\n\n{nets}\nIt contains these crates:\n\n"
+        "Plenoscope is licensed under MIT or Apache-2.0, as you like.\n\n{nets}\nPlenoscope contains these crates:\n\n"
     );
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for one in crates {
