@@ -1,6 +1,6 @@
 //! Work that a stranger's file could break is done in a process of its own, so that its faults are not ours.
 //!
-//! The process is this program again, with [`Bounds`]: its memory and time end somewhere. A program that has not said how
+//! The process is this program again, with limits (`bounds`): its memory and time end somewhere. A program that has not said how
 //! it is started for such work ([`work_with`]), as Python's interpreter or a test, does the work within itself.
 
 mod bounds;
