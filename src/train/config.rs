@@ -218,7 +218,8 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub shading: f32,
-    /// Part of the scenes in three dimensions that show bare tops under uneven light, bright upper walls, portraits
+    /// Part of the scenes in three dimensions that show bare tops under uneven light, bright upper walls, portraits,
+    /// wide land, clouds, flowers from near
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub pitfalls: f32,

@@ -129,7 +129,7 @@ pub struct Config {
     /// Share of augmented samples on which falls light that says nothing about depth.
     pub shading: f32,
     /// Share of scenes in three dimensions that show what nets read wrongly: bare tops under uneven light, bright upper
-    /// walls, portraits.
+    /// walls, portraits, wide land and streets under clouds, flowers from near.
     pub pitfalls: f32,
 }
 
@@ -247,7 +247,7 @@ impl Source {
         // Such scenes are made of rules where there is nothing else.
         let library = match Library::load(config) {
             Err(empty @ SceneError::Empty { .. }) if stock.is_some() => {
-                let notes = vec![format!("{empty}; all samples are scenes made by rule")];
+                let notes = vec![format!("{empty}; all samples are drawn scenes")];
                 Library { notes, ..Library::default() }
             }
             library => library?,

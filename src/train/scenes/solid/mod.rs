@@ -5,8 +5,10 @@
 //! ([`light`]). Each view is drawn from its own centre by a small rasteriser ([`view`]); [`picture`] makes a photo of it.
 //! It runs on one core without a graphics card, and the same seed gives the same bytes.
 
+mod blossoms;
 mod glb;
 mod inside;
+mod land;
 pub mod light;
 pub mod mesh;
 mod outside;
@@ -178,15 +180,16 @@ impl Nears {
     }
 
     /// Whether there is enough depth in a scene, not all of it sky or right before the lens, and whether it tells more
-    /// than that lower is nearer; of a bare top there is no more to tell.
+    /// than that lower is nearer; of a bare top there is no more to tell, and wide land is mostly far away.
     fn is_worth(&self, rng: &mut Rng, order: &Order, kind: &str) -> bool {
         let [far, middle, near] = [0.02, 0.5, 0.98].map(|share| self.inverse(self.percentile(share)));
         let sky = self.sorted.partition_point(|&n| n <= order.curve.of(0.0)) as f32 / self.sorted.len() as f32;
+        let is_wide = kind == land::LANDSCAPE;
         if near < 1.2 * far
             || near < 1e-3
-            || sky > 0.6
+            || sky > if is_wide { 0.75 } else { 0.6 }
             || middle > 9.0
-            || self.inverse(self.percentile(0.65)) > 5.0 * middle.max(1e-3)
+            || (!is_wide && self.inverse(self.percentile(0.65)) > 5.0 * middle.max(1e-3))
         {
             return false;
         }
@@ -195,7 +198,7 @@ impl Nears {
             (0..h).step_by(h.div_ceil(20)).flat_map(|y| (0..w).step_by(w.div_ceil(24)).map(move |x| [x, y])).collect();
         let values: Vec<f32> = places.iter().map(|&[x, y]| self.map.at(x, y)).collect();
         let rows: Vec<f32> = places.iter().map(|&[_, y]| y as f32).collect();
-        kind == pitfalls::BARE_TOP || spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
+        is_wide || kind == pitfalls::BARE_TOP || spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
     }
 
     fn lens(&self, order: &Order) -> Lens {

@@ -1,5 +1,5 @@
 //! Scenes that show what nets read wrongly: a bare top over which the light falls off, a bright wall or window above a
-//! darker room, someone near who fills the picture.
+//! darker room, someone near who fills the picture, land and streets under clouds, flowers seen from near.
 
 use glam::Vec3;
 
@@ -15,11 +15,24 @@ pub const BARE_TOP: &str = "bare top";
 impl Set<'_> {
     /// One of them.
     pub fn pitfall(&mut self, framing: &Framing) -> Shot {
-        match self.rng.weighted(&[0.4, 0.3, 0.3]) {
+        match self.rng.weighted(&[0.2, 0.15, 0.2, 0.15, 0.1, 0.2]) {
             0 => self.bare_top(framing),
             1 => self.bright_room(framing),
-            _ => self.portrait(framing),
+            2 => self.portrait(framing),
+            3 => self.landscape(framing),
+            4 => self.under_clouds(framing),
+            _ => self.bed(framing),
         }
+    }
+
+    /// A street, front or garden under a clouded sky.
+    fn under_clouds(&mut self, framing: &Framing) -> Shot {
+        let shot = match self.rng.below(3) {
+            0 => self.street(framing),
+            1 => self.facade(framing),
+            _ => self.garden(framing),
+        };
+        Shot { sky: self.clouds(), kind: "clouds", ..shot }
     }
 
     /// A table, desk or floor that is nearly bare, from 15° to 90° above, lit by a lamp near it.
