@@ -48,12 +48,15 @@ impl Set<'_> {
     fn near_land(&mut self) -> impl Fn(f32, f32) -> f32 + use<> {
         let (bumps, phase) = (self.range(0.02, 0.6), [self.turn(), self.turn()]);
         let long = [self.range(3.0, 15.0), self.range(3.0, 15.0)];
-        let height = move |x: f32, z: f32| bumps * ((x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin());
+        // Flat far away.
+        let height = move |x: f32, z: f32| {
+            bumps * ((x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()) / (1.0 - z.min(0.0) / 60.0)
+        };
         let paint = self.cloth(&LAND, 2.0);
         let land = sheet([24, 28], |s, t| {
-            // Finer near the camera, flat far away.
+            // Finer near the camera.
             let (x, z) = ((2.0 * s - 1.0).powi(3) * 900.0, 6.0 - 1000.0 * t.powi(4));
-            (Vec3::new(x, height(x, z) / (1.0 - z.min(0.0) / 60.0), z), Vec2::new(x, z))
+            (Vec3::new(x, height(x, z), z), Vec2::new(x, z))
         });
         self.put(&land, Affine3A::IDENTITY, &paint);
         height
