@@ -37,7 +37,7 @@ fn hash(seed: u64, cell: [i32; 2]) -> f32 {
 }
 
 /// Smooth noise 0 … 1, one value a unit.
-fn noise(seed: u64, x: f32, y: f32) -> f32 {
+pub(super) fn noise(seed: u64, x: f32, y: f32) -> f32 {
     let (x0, y0) = (x.floor(), y.floor());
     let (fx, fy) = (ramp(0.0, 1.0, x - x0), ramp(0.0, 1.0, y - y0));
     let at = |dx: i32, dy: i32| hash(seed, [x0 as i32 + dx, y0 as i32 + dy]);

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use super::mesh::{Mesh, Paint};
-use super::set::{Set, stand};
+use super::set::Set;
 use super::shapes::{any_way, lathe, leaves, sheet, stem, together, tube};
-use super::shot::{Framing, Shot, Sky};
+use super::shot::{Framing, Shot, Sky, above};
 use super::texture::Texture;
 use crate::scenes::raster::Raster;
 
@@ -16,7 +16,7 @@ use crate::scenes::raster::Raster;
 struct Kind {
     petals: usize,
     rings: usize,
-    /// Width of a petal, and where along it that is reached.
+    /// Width of a petal; the larger the second, the further out it is widest.
     petal: [f32; 2],
     /// How far petals rise at their foot and at their tip, radians.
     rise: [f32; 2],
@@ -29,7 +29,7 @@ struct Kind {
 }
 
 impl Kind {
-    /// Petals and middle, about the origin, upwards, one wide.
+    /// Petals about the origin, upwards, one wide.
     fn petals(&self, cells: [usize; 2], jitter: &mut impl FnMut() -> f32) -> Mesh {
         let mut pieces = Vec::new();
         for ring in 0..self.rings {
@@ -45,9 +45,9 @@ impl Kind {
 
     fn petal(&self, cells: [usize; 2], turn: f32, long: f32, lift: f32) -> Mesh {
         let (way, side) = (Quat::from_rotation_y(turn) * Vec3::X, Quat::from_rotation_y(turn) * Vec3::Z);
-        let [wide, at] = self.petal;
-        // Width over length: nothing at the foot, most at `at`, round at the tip.
-        let outline = |t: f32| (t.powf(at / (1.0 - at)) * (1.0 - t.powi(4))).sqrt().max(0.06);
+        let [wide, out] = self.petal;
+        // Narrow at the foot, round at the tip.
+        let outline = |t: f32| (t.powf(out / (1.0 - out)) * (1.0 - t.powi(4))).sqrt().max(0.06);
         sheet(cells, |s, t| {
             let rise = self.rise[0] + (self.rise[1] - self.rise[0]) * t + lift;
             let across = (s - 0.5) * wide * outline(t);
@@ -68,7 +68,7 @@ impl Set<'_> {
         let tall = big * self.range(1.5, 7.0);
         let pitch = if self.chance(0.35) { self.range(0.7, 1.45) } else { self.range(-0.15, 0.7f32) };
         let yaw = self.rng.normal() * 0.3;
-        let back = Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos());
+        let back = above(yaw, pitch);
         for i in 0..self.rng.weighted(&[0.0, 0.45, 0.2, 0.15, 0.1, 0.1]) {
             let away = if i == 0 { 0.2 } else { 1.2 } * big;
             let foot = Vec3::new(self.range(-away, away), 0.0, if i == 0 { 0.0 } else { self.range(-2.0, 0.4) * big });
@@ -135,7 +135,7 @@ impl Set<'_> {
         Arc::new(Texture::opaque(&picture))
     }
 
-    /// A blossom of this width on a stem with leaves; `towards` is where it about faces.
+    /// A blossom of this width on a stem with leaves; it faces about `towards`.
     fn blossom(&mut self, kind: &Kind, foot: Vec3, tall: f32, wide: f32, towards: Vec3, cells: [usize; 2]) {
         let lean = Vec3::Y + 0.25 * any_way(&mut self.rng);
         let points = stem(&mut self.rng, foot, lean, tall, 0.3, 5);
@@ -196,7 +196,7 @@ impl Set<'_> {
             1 => {
                 let (wall, yaw) = (self.any_paint(0.8), self.range(-0.4, 0.4));
                 let size = Vec3::new(24.0, self.range(0.5, 3.0), 0.2);
-                self.put(&super::shapes::cuboid(size), stand(Vec3::Z * (behind - 0.1), yaw, 1.0), &wall);
+                self.block(Vec3::Z * (behind - 0.1), size, yaw, &wall);
             }
             _ => {}
         }

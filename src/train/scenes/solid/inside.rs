@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::set::{Set, stand};
 use super::shapes::{cuboid, sheet};
-use super::shot::{Framing, Shot, Sky};
+use super::shot::{Framing, Shot, Sky, above};
 
 /// Things that stand on floors.
 const STANDING: [&str; 4] = ["furniture", "furniture", "plant", "other"];
@@ -186,7 +186,7 @@ impl Set<'_> {
         let yaw = if self.chance(0.3) { self.turn() } else { self.rng.normal() * 0.5 };
         let wide = self.range(0.35, 1.3);
         let away = framing.distance(wide).clamp(0.25, 2.2);
-        let eye = target + Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()) * away;
+        let eye = target + above(yaw, pitch) * away;
         let lamp_at = target + Vec3::new(self.range(-1.0, 1.0), self.range(0.6, 1.6), self.range(-1.0, 1.0));
         let camera = self.look(framing, eye, target);
         Shot { camera, lights: self.indoors(lamp_at), sky: black(), kind: "table" }
@@ -287,7 +287,7 @@ impl Set<'_> {
         let yaw = self.rng.normal() * 0.4;
         let away = framing.distance(big * self.range(1.0, 2.0)).clamp(0.3, 6.0);
         let target = Vec3::new(0.0, big * self.range(0.2, 0.5), 0.0);
-        let eye = target + Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()) * away;
+        let eye = target + above(yaw, pitch) * away;
         let lamp_at = eye + Vec3::new(self.range(-1.0, 1.0), self.range(0.2, 1.0), 0.0) * big;
         let camera = self.look(framing, eye.max(Vec3::new(f32::MIN, 0.05, f32::MIN)), target);
         Shot { camera, lights: self.indoors(lamp_at), sky: black(), kind: "product" }
@@ -383,7 +383,7 @@ impl Set<'_> {
         let yaw = self.range(-PI, PI) * 0.15;
         let away = framing.distance(big * self.range(0.8, 1.6)).clamp(0.1, 1.2);
         let target = Vec3::new(0.0, big * self.range(0.4, 0.9), 0.0);
-        let eye = target + Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()) * away;
+        let eye = target + above(yaw, pitch) * away;
         let camera = self.look(framing, eye.max(Vec3::new(f32::MIN, 0.02, f32::MIN)), target);
         let lights = if outside { self.day() } else { self.indoors(target + Vec3::new(0.3, 0.8, 0.4)) };
         Shot { camera, lights, sky: self.sky(), kind: "close-up" }

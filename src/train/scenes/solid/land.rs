@@ -7,11 +7,12 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::light::Lights;
 use super::mesh::Paint;
-use super::set::Set;
-use super::shapes::sheet;
+use super::set::{Set, stand};
+use super::shapes::{lathe, sheet};
 use super::shot::{Framing, Shot, Sky};
 use super::texture::Texture;
 use crate::scenes::raster::Raster;
+use crate::scenes::walls::noise;
 
 /// The kind of a scene that is mostly far away.
 pub const LANDSCAPE: &str = "landscape";
@@ -46,12 +47,9 @@ impl Set<'_> {
 
     /// The land about the camera; its height at a place.
     fn near_land(&mut self) -> impl Fn(f32, f32) -> f32 + use<> {
-        let (bumps, phase) = (self.range(0.02, 0.6), [self.turn(), self.turn()]);
-        let long = [self.range(3.0, 15.0), self.range(3.0, 15.0)];
+        let (bumps, waves) = (self.range(0.02, 0.6), self.waves(3.0, 15.0));
         // Flat far away.
-        let height = move |x: f32, z: f32| {
-            bumps * ((x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()) / (1.0 - z.min(0.0) / 60.0)
-        };
+        let height = move |x: f32, z: f32| bumps * waves(x, z) / (1.0 - z.min(0.0) / 60.0);
         let paint = self.cloth(&LAND, 2.0);
         let land = sheet([24, 28], |s, t| {
             // Finer near the camera.
@@ -108,9 +106,8 @@ impl Set<'_> {
             3 => {
                 let (paint, wide) = (self.cloth(&["stone", "ground"], 1.0), self.range(0.2, 1.8));
                 let flat = self.range(0.4, 0.9);
-                let rock =
-                    super::shapes::lathe(&[[wide, -0.2], [wide * 0.9, wide * 0.4 * flat], [0.02, wide * flat]], 7);
-                self.put(&rock, super::set::stand(at, 0.0, 1.0), &paint);
+                let rock = lathe(&[[wide, -0.2], [wide * 0.9, wide * 0.4 * flat], [0.02, wide * flat]], 7);
+                self.put(&rock, stand(at, 0.0, 1.0), &paint);
             }
             4 => {
                 let (long, tall) = (self.range(4.0, 30.0), self.range(0.6, 1.6));
@@ -126,8 +123,7 @@ impl Set<'_> {
     /// A sky with clouds, from a few wisps to overcast, smaller towards the horizon.
     pub fn clouds(&mut self) -> Sky {
         let size = [96, 72];
-        let grids: Vec<Raster<f32>> =
-            (0..5).map(|_| Raster::from_fn([32, 32], |_, _| self.rng.range(-1.0, 1.0))).collect();
+        let seed = self.rng.next_u64();
         let (cover, soft) = (self.range(-0.8, 0.8), self.range(0.15, 1.0));
         let (rough, scale) = (self.range(0.4, 0.75), self.range(1.5, 6.0));
         let high = [self.range(0.15, 0.6), self.range(0.35, 0.75), self.range(0.6, 1.0)];
@@ -137,15 +133,13 @@ impl Set<'_> {
         let sky = Raster::from_fn(size, |x, y| {
             let [s, t] = [x as f32 / size[0] as f32 - 0.5, y as f32 / size[1] as f32];
             let far = 1.0 / (horizon + 0.15 - t).max(0.12);
-            let noise: f32 = (0..5)
-                .map(|k| {
-                    let often = scale * 2.0f32.powi(k);
-                    let [u, v] = [(s * far + 0.5) * often, 1.4 * far * often].map(|at| at.rem_euclid(31.0));
-                    rough.powi(k) * grids[k as usize].tap(u, v)
-                })
-                .sum();
-            let cloud = ((noise + cover) / soft).clamp(0.0, 1.0);
-            let shade = lit + (dark - lit) * ((noise + cover) * 0.6).clamp(0.0, 1.0) * t;
+            let octave = |k: i32| {
+                let often = scale * 2.0f32.powi(k);
+                rough.powi(k) * (2.0 * noise(seed ^ k as u64, s * far * often, 1.4 * far * often) - 1.0)
+            };
+            let thick = (0..5).map(octave).sum::<f32>() + cover;
+            let cloud = (thick / soft).clamp(0.0, 1.0);
+            let shade = lit + (dark - lit) * (thick * 0.6).clamp(0.0, 1.0) * t;
             std::array::from_fn(|c| {
                 let clear = high[c] + (0.92 - high[c]) * pale * t;
                 ((clear + (shade - clear) * cloud).clamp(0.0, 1.0) * 255.0) as u8

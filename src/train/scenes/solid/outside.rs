@@ -179,9 +179,16 @@ impl Set<'_> {
     /// Hilly ground: its height at a place.
     fn hills(&mut self) -> impl Fn(f32, f32) -> f32 + use<> {
         let height = if self.chance(0.5) { self.range(0.1, 2.5) } else { 0.05 };
-        let (phase, long) = ([self.turn(), self.turn()], [self.range(4.0, 20.0), self.range(4.0, 20.0)]);
+        let waves = self.waves(4.0, 20.0);
         let rise = if self.chance(0.4) { self.range(-0.15, 0.4) } else { 0.0 };
-        move |x, z| height * ((x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()) - rise * z.min(0.0)
+        move |x, z| height * waves(x, z) - rise * z.min(0.0)
+    }
+
+    /// A wave along x and one along z, −2 … 2 in all, whose lengths over 2π lie between two.
+    pub(super) fn waves(&mut self, shortest: f32, longest: f32) -> impl Fn(f32, f32) -> f32 + use<> {
+        let phase = [self.turn(), self.turn()];
+        let long = [self.range(shortest, longest), self.range(shortest, longest)];
+        move |x, z| (x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()
     }
 
     /// A garden or a wood: plants near and far, boughs overhead, benches, fences, people and animals.

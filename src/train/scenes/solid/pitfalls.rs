@@ -7,7 +7,7 @@ use super::inside::{FLOOR, Shell, WALL, black};
 use super::light::Lights;
 use super::mesh::Paint;
 use super::set::Set;
-use super::shot::{Framing, Shot};
+use super::shot::{Framing, Shot, above};
 
 /// The kind of a scene whose order the row number may tell.
 pub const BARE_TOP: &str = "bare top";
@@ -60,7 +60,7 @@ impl Set<'_> {
         let yaw = if self.chance(0.4) { self.turn() } else { self.rng.normal() * 0.4 };
         let target = Vec3::new(self.range(-0.25, 0.25) * size.x, high, self.range(-0.25, 0.25) * size.z);
         let away = framing.distance(self.range(0.4, 1.1)).clamp(0.25, 1.8);
-        let eye = target + Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()) * away;
+        let eye = target + above(yaw, pitch) * away;
         let lamp_at = target + Vec3::new(self.range(-1.0, 1.0), self.range(0.2, 1.0), self.range(-1.0, 1.0));
         let camera = self.look(framing, eye, target);
         let lights = self.one_lamp(lamp_at);
@@ -144,7 +144,7 @@ impl Set<'_> {
         let shown = tall * self.range(0.5, 1.1) * framing.size[0] as f32 / framing.size[1] as f32;
         let away = framing.distance(shown).clamp(0.3, 6.0);
         let yaw = self.rng.normal() * 0.25;
-        let eye = target + Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos()) * away;
+        let eye = target + above(yaw, pitch) * away;
         let eye = eye.max(Vec3::new(f32::MIN, 0.1, f32::MIN));
         let camera = self.look(framing, eye, target);
         let lamp_at = eye + Vec3::new(self.range(-1.0, 1.0), self.range(0.2, 1.0), 0.0) * tall;

@@ -55,6 +55,11 @@ impl Framing {
     }
 }
 
+/// The direction to a camera that stands `pitch` above what it looks at, turned by `yaw` from its front, radians.
+pub fn above(yaw: f32, pitch: f32) -> Vec3 {
+    Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos())
+}
+
 impl Set<'_> {
     /// A camera that looks at a place from another, not quite level.
     pub fn look(&mut self, framing: &Framing, eye: Vec3, target: Vec3) -> Camera {
