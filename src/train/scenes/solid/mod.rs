@@ -6,6 +6,7 @@
 //! It runs on one core without a graphics card, and the same seed gives the same bytes.
 
 mod blossoms;
+mod coats;
 mod glb;
 mod inside;
 mod land;

@@ -126,9 +126,13 @@ impl Set<'_> {
             let wall = Paint { metres: glam::Vec2::splat(self.range(1.0, 4.0)), ..wall };
             self.panel(Vec3::new(-15.0, 0.0, behind), Vec3::X * 30.0, Vec3::Y * 6.0, &wall, [false, false]);
         }
-        if self.relief(Vec3::ZERO, tall, 0.0).is_none() {
+        if self.chance(0.4) || self.relief(Vec3::ZERO, tall, 0.0).is_none() {
             let yaw = self.rng.normal() * 0.6;
-            self.turned(&["person", "animal"], Vec3::ZERO, Some(tall), yaw);
+            if self.chance(0.65) {
+                self.coated(Vec3::ZERO, tall, yaw);
+            } else {
+                self.turned(&["person", "animal"], Vec3::ZERO, Some(tall), yaw);
+            }
         }
         for _ in 0..self.count(0, 5) {
             let at = Vec3::new(self.range(-1.6, 1.6) * tall, 0.0, behind * self.range(0.35, 0.95));
@@ -141,7 +145,7 @@ impl Set<'_> {
         }
         let pitch = self.range(-0.1, 0.6f32);
         let target = Vec3::new(self.range(-0.15, 0.15) * tall, tall * self.range(0.45, 0.8), 0.0);
-        let shown = tall * self.range(0.5, 1.1) * framing.size[0] as f32 / framing.size[1] as f32;
+        let shown = tall * self.range(0.3, 1.1) * framing.size[0] as f32 / framing.size[1] as f32;
         let away = framing.distance(shown).clamp(0.3, 6.0);
         let yaw = self.rng.normal() * 0.25;
         let eye = target + above(yaw, pitch) * away;
