@@ -1,5 +1,6 @@
 //! Scenes that show what nets read wrongly: a bare top over which the light falls off, a bright wall or window above a
-//! darker room, someone near who fills the picture, land and streets under clouds, flowers seen from near.
+//! darker room, someone near who fills the picture, perhaps in a patterned coat, land and streets under
+//! clouds, flowers seen from near.
 
 use glam::Vec3;
 
