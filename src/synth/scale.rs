@@ -44,6 +44,14 @@ impl FromStr for Scale {
 }
 
 impl Scale {
+    /// Ray depths of this scale over those of the nets.
+    pub fn gain(self) -> f32 {
+        match self {
+            Self::Deep => 1.0,
+            Self::Lytro => LYTRO_GAIN,
+        }
+    }
+
     /// A map of the deep scale on this one.
     ///
     /// # Errors
@@ -55,7 +63,7 @@ impl Scale {
         let (size, mut values) = (map.size(), map.into_disparity_px());
         let place = ((values.len() - 1) as f32 * LYTRO_BEHIND) as usize;
         let focus = *values.clone().select_nth_unstable_by(place, f32::total_cmp).1;
-        values.iter_mut().for_each(|d| *d = LYTRO_GAIN * (*d - focus));
+        values.iter_mut().for_each(|d| *d = self.gain() * (*d - focus));
         DisparityMap::new(size, values)
     }
 }

@@ -219,7 +219,7 @@ pub struct Config {
     #[serde(default)]
     pub shading: f32,
     /// Part of the scenes in three dimensions that show bare tops under uneven light, bright upper walls, portraits,
-    /// wide land, clouds, flowers from near
+    /// wide land, clouds, flowers from near, things on ledges
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub pitfalls: f32,

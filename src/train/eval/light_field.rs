@@ -183,7 +183,7 @@ fn corners(field: &TrueField, prediction: &Prediction, lambertian: &[Rgb]) -> (C
         (corner_mean(field, at), [0.0, plane])
     });
     let (flat, [_, plane]) = flat.fold(none, least);
-    let scales = [0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3];
+    let scales = [0.15, 0.3, 0.45, 0.6, 0.8, 1.0, 1.3].map(|a| a / prediction.gain);
     let tries = scales.iter().flat_map(|&a| (-6..=6).map(move |i| [a, i as f32 * 0.1]));
     let fits = tries.map(|ab| {
         let at = |layer| {

@@ -8,7 +8,7 @@
 //!
 //! * *Corner views*: (0,0) (0,7) (7,0) (7,7). *Outermost views*: the 28 on the rim.
 //! * *Flat*: the best plane of −1 … 1 by 0.1. *Fit*: the best of `a·D + b`, a ∈ {.15 .3 .45 .6 .8 1 1.3}, b −0.6 … 0.6
-//!   by 0.1 (scale and focus of a lens cannot be known from a photo). *Sweep*: see [`sweep`].
+//!   by 0.1, D on the nets' own scale (scale and focus of a lens cannot be known from a photo). *Sweep*: see [`sweep`].
 //! * *Closed* = (flat − fit) / (flat − sweep), mean L1 of the corners in 0 … 1: 0 knows no depth, 1 is as good as
 //!   having all views. *By the swept depth*: the same of one map swept over the true views, which is what to measure a
 //!   net by: the sweep's own views fit every pixel of every view, noise with it.
@@ -47,6 +47,8 @@ pub struct Prediction {
     pub disparity_px: Vec<f32>,
     /// The 64 views after the occlusion net, where there is one.
     pub corrected: Option<Vec<Rgb>>,
+    /// These ray depths over those of the nets' own scale.
+    pub gain: f32,
 }
 
 impl Prediction {
@@ -57,7 +59,7 @@ impl Prediction {
 
     /// The same map for all views.
     pub fn tied(map: &[f32]) -> Self {
-        Self { disparity_px: map.repeat(64), corrected: None }
+        Self { disparity_px: map.repeat(64), corrected: None, gain: 1.0 }
     }
 }
 

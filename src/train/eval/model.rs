@@ -46,6 +46,6 @@ impl Predictor for Models {
         };
         let occlusion = made.models.len() > 1;
         let corrected = occlusion.then(|| made.field.views().iter().map(|v| view(v.rgba())).collect());
-        Ok(Prediction { disparity_px: made.depths.disparity_px().to_vec(), corrected })
+        Ok(Prediction { disparity_px: made.depths.disparity_px().to_vec(), corrected, gain: self.params.scale.gain() })
     }
 }

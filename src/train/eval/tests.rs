@@ -100,7 +100,8 @@ fn the_truth_closes_the_gap_and_a_plane_closes_nothing() {
     };
     let field =
         TrueField { name: "slope".into(), size: [96, 64], views: (0..64).map(view).collect(), depths: Vec::new() };
-    let right = |_: &Rgb| Ok(Prediction { disparity_px: (0..64).flat_map(truth).collect(), corrected: None });
+    let right =
+        |_: &Rgb| Ok(Prediction { disparity_px: (0..64).flat_map(truth).collect(), corrected: None, gain: 1.0 });
     let found = light_field::evaluate(&field, &right).unwrap().figures;
     assert!(found.corners.predicted < 1e-5 && found.lambertian.l1_01 < 1e-5, "{:?}", found.corners);
     assert!(found.corners.closed > 0.99 && found.depth_correlation > 0.98, "{found:?}");
@@ -109,11 +110,22 @@ fn the_truth_closes_the_gap_and_a_plane_closes_nothing() {
     assert!(found.truth.is_none());
     let field = TrueField { depths: (0..64).map(|layer| (layer, truth(layer))).collect(), ..field };
     let shifted = |_: &Rgb| {
-        Ok(Prediction { disparity_px: (0..64).flat_map(truth).map(|d| 2.0 * d + 0.25).collect(), corrected: None })
+        Ok(Prediction {
+            disparity_px: (0..64).flat_map(truth).map(|d| 2.0 * d + 0.25).collect(),
+            corrected: None,
+            gain: 1.0,
+        })
     };
     let known = light_field::evaluate(&field, &shifted).unwrap().figures.truth.unwrap();
     assert!(known.correlation > 0.999 && known.fit_mae_px < 1e-5 && known.views == 64, "{known:?}");
     assert!((known.mae_px - 0.3).abs() < 0.1, "{known:?}");
+    // What a shallow scale takes away, the fit gives back.
+    let closed = |gain: f32| {
+        let disparity_px = (0..64).flat_map(truth).map(|d| 0.1 * d).collect::<Vec<_>>();
+        let shallow = |_: &Rgb| Ok(Prediction { disparity_px: disparity_px.clone(), corrected: None, gain });
+        light_field::evaluate(&field, &shallow).unwrap().figures.corners.closed
+    };
+    assert!(closed(0.1) > 0.99 && closed(1.0) < 0.5, "{} {}", closed(0.1), closed(1.0));
     let flat = |_: &Rgb| Ok(Prediction::tied(&vec![0.0; 96 * 64]));
     let found = light_field::evaluate(&field, &flat).unwrap().figures;
     assert!(found.corners.closed.abs() < 1e-3 && found.depth_correlation == 0.0, "{:?}", found.corners);

@@ -15,6 +15,9 @@ pub const VALIDATION_LIGHT_FIELDS: [&str; 2] = ["yellow_f01", "shrubs_f01"];
 /// Endings of files that may hold all views of a light field.
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "webp", "tif", "tiff"];
 
+/// How near windows of light fields come: views are kept so many times as large as the working scale.
+const NEAREST: f32 = 2.5;
+
 /// One real light field.
 pub struct Field {
     /// Its file's or folder's name.
@@ -25,8 +28,8 @@ pub struct Field {
     pub disparity: Raster<f32>,
 }
 
-/// The training light fields of a data folder, in any format that the viewer opens, as large as crops of `long_side`
-/// need.
+/// The training light fields of a data folder, in any format that the viewer opens, as large as windows at
+/// `long_side` need.
 ///
 /// # Errors
 /// What is no light field, or has too few views.
@@ -47,8 +50,8 @@ fn is_wanted(path: &Path) -> bool {
 
 fn read_field(path: &Path, long_side: usize) -> Result<Field, SceneError> {
     let field = TrueField::open(path)?;
-    // Each view a little larger than a crop, and never enlarged.
-    let scale = (1.15 * long_side as f32 / field.size[0].max(field.size[1]) as f32).min(1.0);
+    // Each view larger than a crop, and never enlarged.
+    let scale = (NEAREST * long_side as f32 / field.size[0].max(field.size[1]) as f32).min(1.0);
     let size = field.size.map(|side| (side as f32 * scale).round() as usize);
     let disparity = field.reference_disparity()?.map(|&d| [d]).resized(size);
     let to_px = size[0] as f32 / field.size[0] as f32;
@@ -79,10 +82,10 @@ mod tests {
     fn a_light_fields_ray_depth_is_measured() {
         let data = tempfile::tempdir().unwrap();
         write_plane(&data.path().join("lightfields/slanted"), 8);
-        let [field] = &read(data.path(), 48).unwrap()[..] else { panic!("one light field") };
-        // Views of 1.15 times the working scale, and disparities in their pixels.
-        assert_eq!((field.views[0].size, field.disparity.size), ([55, 41], [55, 41]));
-        let expected = 0.5 * 55.0 / 96.0;
+        let [field] = &read(data.path(), 32).unwrap()[..] else { panic!("one light field") };
+        // Views of 2.5 times the working scale, and disparities in their pixels.
+        assert_eq!((field.views[0].size, field.disparity.size), ([80, 60], [80, 60]));
+        let expected = 0.5 * 80.0 / 96.0;
         let far = |d: &&f32| (*d - expected).abs() > 0.05;
         assert!(field.disparity.px.iter().filter(far).count() < field.disparity.px.len() / 20);
     }

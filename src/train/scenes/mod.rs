@@ -129,7 +129,7 @@ pub struct Config {
     /// Share of augmented samples on which falls light that says nothing about depth.
     pub shading: f32,
     /// Share of scenes in three dimensions that show what nets read wrongly: bare tops under uneven light, bright upper
-    /// walls, portraits, wide land and streets under clouds, flowers from near.
+    /// walls, portraits, wide land and streets under clouds, flowers from near, things on ledges and blossoms on boughs before the wide world.
     pub pitfalls: f32,
 }
 

@@ -13,7 +13,7 @@ use super::texture::Texture;
 use crate::scenes::raster::Raster;
 
 /// One kind of flower; lengths are shares of the blossom's width.
-struct Kind {
+pub(super) struct Kind {
     petals: usize,
     rings: usize,
     /// Width of a petal; the larger the second, the further out it is widest.
@@ -91,7 +91,8 @@ impl Set<'_> {
         Shot { camera, lights: self.day(), sky, kind: "flowers" }
     }
 
-    fn flower(&mut self) -> Kind {
+    /// A kind of flower.
+    pub(super) fn flower(&mut self) -> Kind {
         let double = self.chance(0.25);
         let petals = if self.chance(0.3) { self.count(9, 20) } else { self.count(4, 8) };
         let rings = if double { self.count(2, 5) } else { 1 };
@@ -148,10 +149,14 @@ impl Set<'_> {
         });
         self.put(&leaf, Affine3A::IDENTITY, &kind.green);
         let up = (towards + 0.35 * any_way(&mut self.rng) + 0.2 * Vec3::Y).normalize_or(Vec3::Y);
-        let turned = Quat::from_rotation_arc(Vec3::Y, up) * Quat::from_rotation_y(self.turn());
         let wide = wide * self.range(0.8, 1.15);
-        let head = points[points.len() - 1];
-        let place = Affine3A::from_scale_rotation_translation(Vec3::splat(wide), turned, head);
+        self.head(kind, points[points.len() - 1], wide, up, cells);
+    }
+
+    /// Petals, the middle and stamens of a blossom that faces a direction.
+    pub(super) fn head(&mut self, kind: &Kind, at: Vec3, wide: f32, facing: Vec3, cells: [usize; 2]) {
+        let turned = Quat::from_rotation_arc(Vec3::Y, facing) * Quat::from_rotation_y(self.turn());
+        let place = Affine3A::from_scale_rotation_translation(Vec3::splat(wide), turned, at);
         let rng = &mut self.rng;
         self.world.add(&kind.petals(cells, &mut || rng.range(-1.0, 1.0)), place, Some(&kind.paint), true);
         let [radius, high] = kind.middle;

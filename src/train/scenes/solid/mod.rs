@@ -12,6 +12,7 @@ mod inside;
 mod land;
 pub mod light;
 pub mod mesh;
+mod near;
 mod outside;
 pub mod picture;
 mod pitfalls;
@@ -181,16 +182,18 @@ impl Nears {
     }
 
     /// Whether there is enough depth in a scene, not all of it sky or right before the lens, and whether it tells more
-    /// than that lower is nearer; of a bare top there is no more to tell, and wide land is mostly far away.
+    /// than that lower is nearer; of a bare top there is no more to tell, wide land is mostly far away, and behind a
+    /// ledge everything is.
     fn is_worth(&self, rng: &mut Rng, order: &Order, kind: &str) -> bool {
         let [far, middle, near] = [0.02, 0.5, 0.98].map(|share| self.inverse(self.percentile(share)));
         let sky = self.sorted.partition_point(|&n| n <= order.curve.of(0.0)) as f32 / self.sorted.len() as f32;
         let is_wide = kind == land::LANDSCAPE;
+        let has_gap = kind == near::LEDGE || kind == near::HANGING;
         if near < 1.2 * far
             || near < 1e-3
             || sky > if is_wide { 0.75 } else { 0.6 }
             || middle > 9.0
-            || (!is_wide && self.inverse(self.percentile(0.65)) > 5.0 * middle.max(1e-3))
+            || (!is_wide && !has_gap && self.inverse(self.percentile(0.65)) > 5.0 * middle.max(1e-3))
         {
             return false;
         }

@@ -1,6 +1,6 @@
 //! Scenes that show what nets read wrongly: a bare top over which the light falls off, a bright wall or window above a
 //! darker room, someone near who fills the picture, perhaps in a patterned coat, land and streets under
-//! clouds, flowers seen from near.
+//! clouds, flowers seen from near, things on a ledge or hanging before the wide world.
 
 use glam::Vec3;
 
@@ -16,13 +16,15 @@ pub const BARE_TOP: &str = "bare top";
 impl Set<'_> {
     /// One of them.
     pub fn pitfall(&mut self, framing: &Framing) -> Shot {
-        match self.rng.weighted(&[0.2, 0.15, 0.2, 0.15, 0.1, 0.2]) {
+        match self.rng.weighted(&[0.16, 0.12, 0.18, 0.12, 0.08, 0.14, 0.12, 0.08]) {
             0 => self.bare_top(framing),
             1 => self.bright_room(framing),
             2 => self.portrait(framing),
             3 => self.landscape(framing),
             4 => self.under_clouds(framing),
-            _ => self.bed(framing),
+            5 => self.bed(framing),
+            6 => self.ledge(framing),
+            _ => self.hanging(framing),
         }
     }
 

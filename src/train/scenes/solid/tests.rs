@@ -120,10 +120,10 @@ fn ray_depths_span_the_range_that_was_asked_for() {
 fn pitfalls_are_drawn_where_they_are_asked_for_and_nowhere_else() {
     let stock = Stock::default();
     let all = |pitfalls| Order { pitfalls, ..order(&stock, &ALL[..1], Curve::Relief) };
-    let mut kinds: Vec<&str> = (0..40).map(|index| make(&all(1.0), 3, index).kind).collect();
+    let mut kinds: Vec<&str> = (0..60).map(|index| make(&all(1.0), 3, index).kind).collect();
     kinds.sort_unstable();
     kinds.dedup();
-    assert_eq!(kinds, ["bare top", "bright", "clouds", "flowers", "landscape", "portrait"]);
+    assert_eq!(kinds, ["bare top", "bright", "clouds", "flowers", "hanging", "landscape", "ledge", "portrait"]);
     assert!((0..40).all(|index| !kinds.contains(&make(&all(0.0), 3, index).kind)));
     let [a, b] = [0, 1].map(|_| make(&all(1.0), 3, 7));
     assert!(a.pictures == b.pictures && a.disparities == b.disparities);
