@@ -1,4 +1,5 @@
-//! Real light fields, decoded once, with the ray depth that their files hold or a sweep over their views finds.
+//! Real light fields, decoded once, with the ray depth that their files hold or a sweep over their views finds (without
+//! its grain: [`super::steady`]).
 
 use std::path::Path;
 
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 use super::SceneError;
 use super::library::to_u8;
 use super::raster::{Raster, Rgb};
+use super::steady::steadied;
 use crate::field::TrueField;
 
 /// Light fields that the trainer never sees: they are what it is judged by.
@@ -53,14 +55,12 @@ fn read_field(path: &Path, long_side: usize) -> Result<Field, SceneError> {
     // Each view larger than a crop, and never enlarged.
     let scale = (NEAREST * long_side as f32 / field.size[0].max(field.size[1]) as f32).min(1.0);
     let size = field.size.map(|side| (side as f32 * scale).round() as usize);
-    let disparity = field.reference_disparity()?.map(|&d| [d]).resized(size);
     let to_px = size[0] as f32 / field.size[0] as f32;
+    let disparity = field.reference_disparity()?.map(|&d| [d * to_px]).resized(size).map(|d| d[0]);
+    let is_swept = field.own_reference_depth().is_none();
+    let disparity = if is_swept { steadied(&disparity, &field.reference().resized(size)) } else { disparity };
     let small = |view: &Rgb| to_u8(&view.map(|texel| texel.map(|c| 255.0 * c)).resized(size));
-    Ok(Field {
-        views: field.views.par_iter().map(small).collect(),
-        disparity: disparity.map(|d| d[0] * to_px),
-        name: field.name,
-    })
+    Ok(Field { views: field.views.par_iter().map(small).collect(), disparity, name: field.name })
 }
 
 #[cfg(test)]

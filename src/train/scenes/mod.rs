@@ -34,6 +34,7 @@ mod real;
 mod sample;
 mod shading;
 pub mod solid;
+mod steady;
 pub mod teach;
 mod walls;
 pub mod write;
