@@ -10,7 +10,7 @@
 //!   subjects may hang anywhere: this is what keeps a net from believing that lower is always nearer.
 //! * **Pseudo**: a nearness map lifted to ray depths of all views, by following each ray to its first crossing. Before
 //!   every third one stands a cut-out of another photo, anywhere: what stands out is near, wherever it is.
-//! * **Real**: crops of real light fields; the reference view's ray depth is what a sweep over the views finds.
+//! * **Real**: windows of real light fields, near and wide; the reference view's ray depth is what a sweep over the views finds.
 //! * **Solid**: scenes in three dimensions ([`solid`]), drawn from every view's own centre.
 //!
 //! On any of them may fall light that says nothing about depth (`shading`).
