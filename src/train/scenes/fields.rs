@@ -58,7 +58,7 @@ fn read_field(path: &Path, long_side: usize) -> Result<Field, SceneError> {
     let to_px = size[0] as f32 / field.size[0] as f32;
     let disparity = field.reference_disparity()?.map(|&d| [d * to_px]).resized(size).map(|d| d[0]);
     let is_swept = field.own_reference_depth().is_none();
-    let disparity = if is_swept { steadied(&disparity, &field.reference().resized(size)) } else { disparity };
+    let disparity = if is_swept { steadied(&disparity, field.reference().resized(size)) } else { disparity };
     let small = |view: &Rgb| to_u8(&view.map(|texel| texel.map(|c| 255.0 * c)).resized(size));
     Ok(Field { views: field.views.par_iter().map(small).collect(), disparity, name: field.name })
 }

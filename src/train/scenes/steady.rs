@@ -16,8 +16,7 @@ const ALIKE: f32 = 0.1;
 const GRAIN_PX: f32 = 1.0;
 
 /// A map beside its photo of the same size.
-pub fn steadied(map: &Raster<f32>, photo: &Rgb) -> Raster<f32> {
-    let mut photo = photo.clone();
+pub fn steadied(map: &Raster<f32>, mut photo: Rgb) -> Raster<f32> {
     photo.blur(GRAIN_PX);
     let [w, h] = map.size;
     let reach = ((REACH_SHARE * w.max(h) as f32) as usize).max(STRIDE);
@@ -60,15 +59,13 @@ mod tests {
         let photo = Raster::from_fn(size, |x, _| if near(x) { [0.8, 0.7, 0.2] } else { [0.2, 0.4, 0.3] });
         let truth = Raster::from_fn(size, |x, _| if near(x) { 0.6f32 } else { -0.4 });
         let mut rng = Rng::new(3, 0);
-        let noisy =
-            Raster::from_fn(
-                size,
-                |x, y| {
-                    if y % 6 == 0 || rng.chance(0.15) { rng.range(-1.0, 1.0) } else { truth.at(x, y) }
-                },
-            );
+        let mut grain = |y: usize, true_one: f32| {
+            let is_grain = y.is_multiple_of(6) || rng.chance(0.15);
+            if is_grain { rng.range(-1.0, 1.0) } else { true_one }
+        };
+        let noisy = Raster::from_fn(size, |x, y| grain(y, truth.at(x, y)));
         let wrong = |map: &Raster<f32>| map.px.iter().zip(&truth.px).filter(|(a, b)| (*a - *b).abs() > 0.05).count();
-        let steady = steadied(&noisy, &photo);
+        let steady = steadied(&noisy, photo);
         assert!(wrong(&noisy) > 11_000 && wrong(&steady) < 250, "{} of {}", wrong(&steady), wrong(&noisy));
         assert!((0..180).all(|y| steady.at(117, y) < 0.0 && steady.at(123, y) > 0.0));
     }

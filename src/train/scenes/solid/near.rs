@@ -71,7 +71,7 @@ impl Set<'_> {
         let world = self.far_world(framing);
         let camera = &world.camera;
         let away = self.range(0.15f32.ln(), 1.0f32.ln()).exp();
-        let half = [0, 1].map(|i| framing.size[i] as f32 / 2.0 / camera.focal_px * away);
+        let half = framing.half(away);
         let [right, down, into] = camera.axes;
         let at = |x: f32, y: f32, z: f32| camera.eye + into * (away * z) + right * (x * half[0]) + down * (y * half[1]);
         let (kind, wood, green) = (self.flower(), self.leaf_paint(), self.leaf_paint());

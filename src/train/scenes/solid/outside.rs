@@ -256,8 +256,7 @@ impl Set<'_> {
     pub fn before(&mut self, camera: &Camera, framing: &Framing, free: f32) {
         let away = (free * self.range(0.25, 0.7)).max(0.08);
         let [right, down, into] = camera.axes;
-        // Metres to the picture's edges at that distance.
-        let half = [0, 1].map(|i| framing.size[i] as f32 / 2.0 / camera.focal_px * away);
+        let half = framing.half(away);
         let at = |x: f32, y: f32| camera.eye + into * away + right * (x * half[0]) + down * (y * half[1]);
         let thin = away * self.range(0.004, 0.05);
         let paint = if self.chance(0.5) { self.plain() } else { self.any_paint(0.4) };

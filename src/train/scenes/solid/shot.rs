@@ -53,6 +53,11 @@ impl Framing {
     pub fn distance(&self, wide: f32) -> f32 {
         wide * self.focal_px() / self.size[0] as f32
     }
+
+    /// Metres from the picture's middle to its right and lower edges, this far away.
+    pub fn half(&self, away: f32) -> [f32; 2] {
+        self.size.map(|side| side as f32 / 2.0 / self.focal_px() * away)
+    }
 }
 
 /// The direction to a camera that stands `pitch` above what it looks at, turned by `yaw` from its front, radians.
