@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use super::driver::Valid;
 use super::ending::{Ending, Limits};
 use super::gradient;
+use super::halves::Halves;
 use super::isa::Isa;
 use super::pack::Packed;
 use super::padded::{Layout, Padded, RowAt};
@@ -21,6 +22,7 @@ pub type Sums = Vec<[f64; 2]>;
 pub struct Conv {
     pub(super) shape: ConvShape,
     pub(super) isa: Isa,
+    pub(super) halves: Option<Halves>,
 }
 
 impl Conv {
@@ -31,7 +33,12 @@ impl Conv {
     pub fn new(shape: ConvShape, isa: Isa) -> Self {
         let sizes = [shape.batch, shape.channels_in, shape.channels_out, shape.plane(), shape.dilation];
         assert!(!sizes.contains(&0), "a convolution needs sizes of at least 1, not {shape:?}");
-        Self { shape, isa }
+        Self { shape, isa, halves: None }
+    }
+
+    /// The same whose training steps multiply 16-bit numbers where that pays.
+    pub fn in_halves(self, halves: Option<Halves>) -> Self {
+        Self { halves, ..self }
     }
 
     /// What is convolved with what.

@@ -6,7 +6,7 @@ use super::driver::Valid;
 use super::ending::Ending;
 use super::isa::{Isa, on_isa};
 use super::pack::{BLOCK, Packed};
-use super::padded::{Padded, SendPtr};
+use super::padded::{Padded, SendPtr, by_chunks};
 use super::shape::{ConvShape, Padding};
 use super::tile::Activation;
 use super::weight_tile::WeightTile;
@@ -41,14 +41,13 @@ pub(super) fn data(shape: &ConvShape, isa: Isa, gradient: &Padded, weights: &[f3
 }
 
 /// Adds the margin of each channel of `wide` to the edge pixels it was copied from.
-fn fold(shape: &ConvShape, reach: [usize; 3], wide: &[f32]) -> Vec<f32> {
+pub(super) fn fold(shape: &ConvShape, reach: [usize; 3], wide: &[f32]) -> Vec<f32> {
     let [_, height, width] = shape.size();
     let outer = [0, 1, 2].map(|axis| shape.size()[axis] + 2 * reach[axis]);
     let inner = |at: usize, axis: usize| at.saturating_sub(reach[axis]).min(shape.size()[axis] - 1);
-    let mut narrow = vec![0.0; shape.input_len()];
-    let channels = wide.par_chunks_exact(outer.iter().product()).zip(narrow.par_chunks_exact_mut(shape.plane()));
-    channels.for_each(|(wide, narrow)| {
-        for (index, row) in wide.chunks_exact(outer[2]).enumerate() {
+    let step: usize = outer.iter().product();
+    by_chunks(shape.batch * shape.channels_in, shape.plane(), |channel, narrow: &mut [f32]| {
+        for (index, row) in wide[channel * step..][..step].chunks_exact(outer[2]).enumerate() {
             let (view, y) = (inner(index / outer[1], 0), inner(index % outer[1], 1));
             let target = &mut narrow[(view * height + y) * width..][..width];
             let (left, rest) = row.split_at(reach[2]);
@@ -57,8 +56,7 @@ fn fold(shape: &ConvShape, reach: [usize; 3], wide: &[f32]) -> Vec<f32> {
             target[0] += left.iter().sum::<f32>();
             target[width - 1] += right.iter().sum::<f32>();
         }
-    });
-    narrow
+    })
 }
 
 /// The gradient with respect to the weights: for each pair of channels and each tap, the sum over all pixels of

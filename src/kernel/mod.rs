@@ -40,6 +40,9 @@
 //! training ([`Conv::step`]) 3×3 kernels of many channels and 3×3×3 kernels of few, forward and both gradients. Its results
 //! differ from the direct ones in the fifth digit or later.
 //!
+//! [`Halves`] is the proof that the processor multiplies 16-bit numbers in tiles (AMX). A training step of planes that is told
+//! to ([`Conv::in_halves`]) takes its products from there; inference never does.
+//!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
 //!
 //! Parallel over blocks of rows by the [`team`] that this thread leads, else on the current rayon pool; a cancel flag is
@@ -53,6 +56,7 @@ mod conv;
 mod driver;
 mod ending;
 mod gradient;
+mod halves;
 mod isa;
 pub mod norm;
 mod pack;
@@ -80,6 +84,7 @@ mod tests;
 
 pub use conv::{Conv, Sums};
 pub use ending::{Ending, Limits};
+pub use halves::Halves;
 pub use isa::Isa;
 pub use pack::Packed;
 pub use padded::{Padded, RowAt};

@@ -3,6 +3,10 @@
 //! Laid out `[n][v][y][c][x]`: the rows of all channels at one (view, y) lie together, so a tile that walks over the
 //! channels reads few memory streams and few pages. Channel-major copies ran at a third of the speed.
 
+use std::mem::MaybeUninit;
+
+use rayon::prelude::*;
+
 use super::shape::Padding;
 use super::team;
 
@@ -138,6 +142,23 @@ fn fill_row(
             row[end..].fill(last);
         }
     }
+}
+
+/// `count` chunks of `len` values, each zeroed and then written by the thread that takes it.
+pub(super) fn by_chunks<T>(count: usize, len: usize, write: impl Fn(usize, &mut [T]) + Sync) -> Vec<T>
+where
+    T: Copy + Default + Send,
+{
+    let mut values = Vec::with_capacity(count * len);
+    let room = &mut values.spare_capacity_mut()[..count * len];
+    room.par_chunks_mut(len).enumerate().for_each(|(index, room)| {
+        room.fill(MaybeUninit::new(T::default()));
+        // SAFETY: it was filled.
+        write(index, unsafe { room.assume_init_mut() });
+    });
+    // SAFETY: each chunk was filled.
+    unsafe { values.set_len(count * len) };
+    values
 }
 
 /// A pointer that several threads write through, each to places of its own.

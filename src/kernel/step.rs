@@ -1,6 +1,8 @@
-//! The convolution of a training step: by Winograd's algorithm where that pays, else directly.
+//! The convolution of a training step: from 16-bit numbers if that was asked for, by Winograd's algorithm where that
+//! pays, else directly.
 
 use super::conv::{Conv, Sums};
+use super::halves::HalfBatch;
 use super::shape::ConvShape;
 use super::winograd::batch::{PlaneBatch, VolumeBatch};
 
@@ -16,6 +18,9 @@ pub struct Gradients {
 impl Conv {
     /// `w ∗ x` (no bias, no activation) of `x` `[n, c_in, v, y, x]`, and its sums for batch normalisation.
     pub fn step(&self, x: &[f32], weights: &[f32]) -> (Vec<f32>, Sums) {
+        if let Some(batch) = self.half_batch() {
+            return batch.forward(x, weights);
+        }
         if PlaneBatch::pays(&self.shape) {
             return PlaneBatch::new(&self.shape, self.isa).forward(x, weights);
         }
@@ -34,6 +39,10 @@ impl Conv {
         gradient: impl Fn(&mut [f32], usize) + Sync,
         wants_x: bool,
     ) -> Gradients {
+        if let Some(batch) = self.half_batch() {
+            let (weights, x) = batch.gradients(x, &gradient, weights, wants_x);
+            return Gradients { weights, x };
+        }
         if PlaneBatch::pays(&self.shape) {
             let batch = PlaneBatch::new(&self.shape, self.isa);
             let (weights, x) = batch.gradients(x, &gradient, weights, wants_x);
@@ -50,5 +59,10 @@ impl Conv {
         });
         let x_gradient = wants_x.then(|| self.data_gradient(&gradient, weights));
         Gradients { weights: self.weight_gradient(&self.pad_input(x), &gradient), x: x_gradient }
+    }
+
+    fn half_batch(&self) -> Option<HalfBatch<'_>> {
+        let halves = self.halves.filter(|_| HalfBatch::pays(&self.shape))?;
+        Some(HalfBatch::new(&self.shape, halves, self.isa))
     }
 }

@@ -126,7 +126,7 @@ macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
         use $crate::kernel::winograd::batch::{pixels, products, tiles, weights};
         use $crate::kernel::winograd::{plane_tile, volume_tile};
-        use $crate::kernel::{ending, norm, peak, product, resize, tile, token, weight_tile};
+        use $crate::kernel::{ending, halves, norm, peak, product, resize, tile, token, weight_tile};
 
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
@@ -173,6 +173,21 @@ macro_rules! entry_points {
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn split_pairs(from: &[f32], to: &mut [f32]) {
             product::depthwise::split_pairs(from, to);
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn pair_rows(rows: [&[f32]; 2], to: &mut [u32]) {
+            halves::planes::pair(rows, to);
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn pair_pixels(row: &[f32], to: &mut [u32]) {
+            halves::planes::pair_pixels(row, to);
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn halve_row(row: &[f32], to: &mut [u16]) {
+            halves::planes::halve(row, to);
         }
 
         $(#[target_feature(enable = $features)])?
@@ -257,6 +272,12 @@ macro_rules! entry_points {
         pub(in crate::kernel) unsafe fn sum_and_squares(values: &[f32]) -> [f64; 2] {
             // SAFETY: the caller's word.
             unsafe { norm::rows::sum_and_squares::<$vector>(values) }
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn dot_row(a: &[f32], b: &[f32]) -> f32 {
+            // SAFETY: the caller's word.
+            unsafe { norm::rows::dot::<$vector>(a, b) }
         }
 
         $(#[target_feature(enable = $features)])?

@@ -265,6 +265,11 @@ pub struct Config {
     /// Burn's own operations in place of ours
     #[arg(long)]
     pub stock: bool,
+    /// Multiply 16-bit numbers in 3×3 convolutions, where the processor has tiles for them (AMX): steps take a fraction of
+    /// the time
+    #[arg(long)]
+    #[serde(default)]
+    pub halves: bool,
     /// The losses' weights.
     #[command(flatten)]
     #[serde(flatten)]

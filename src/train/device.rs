@@ -47,7 +47,7 @@ impl Place {
 /// As [`Place::ready`].
 pub fn of(path: Path) -> Result<Device, TrainError> {
     match path {
-        Path::Stock | Path::Own => Ok(Device::flex()),
+        Path::Stock | Path::Own | Path::Halves => Ok(Device::flex()),
         Path::Graphics => graphics(),
     }
 }

@@ -229,6 +229,8 @@ fn threads(config: &Config) -> Result<()> {
 
 fn pool(threads: usize) -> Result<()> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("train-{i}"));
+    // This thread is one of them: as a guest it would sleep and be woken at each of a step's hundreds of operations.
+    let pool = pool.use_current_thread();
     Ok(pool.build_global()?)
 }
 

@@ -56,7 +56,11 @@ pub(crate) fn path(config: &Config) -> Path {
 }
 
 pub(crate) fn training<'a>(weights: &'a Weights, config: &Config) -> Result<Tape<'a>, TrainError> {
-    Ok(Tape::new(weights, Mode::Train, path(config))?.keeping_norm(config.keep_norm))
+    let path = match path(config) {
+        Path::Own if config.halves => Path::Halves,
+        path => path,
+    };
+    Ok(Tape::new(weights, Mode::Train, path)?.keeping_norm(config.keep_norm))
 }
 
 pub(crate) fn update(

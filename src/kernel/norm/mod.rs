@@ -123,6 +123,12 @@ pub fn elu_gradient_row(isa: Isa, z: &[f32], gy: &[f32], gz: &mut [f32], channel
     on_isa!(isa, elu_gradient_row(z, gy, gz, channel));
 }
 
+/// Σ a·b of two rows.
+pub fn dot(isa: Isa, a: &[f32], b: &[f32]) -> f32 {
+    assert_eq!(a.len(), b.len(), "lengths of the rows");
+    on_isa!(isa, dot_row(a, b))
+}
+
 /// An activation of `values`, in place.
 pub fn activate(isa: Isa, values: &mut [f32], activation: Activation) {
     values.par_chunks_mut(PIECE).for_each(|piece| on_isa!(isa, activate(piece, activation)));

@@ -50,6 +50,19 @@ pub(in crate::kernel) unsafe fn sum_and_squares<V: Vector>(values: &[f32]) -> [f
     }
 }
 
+/// Σ a·b.
+#[inline(always)]
+pub(in crate::kernel) unsafe fn dot<V: Vector>(a: &[f32], b: &[f32]) -> f32 {
+    // SAFETY: as above.
+    unsafe {
+        let mut sum = V::splat(0.0);
+        for_vectors!(V, a.len(), |at, n| {
+            sum = load::<V>(a, at, n).mul_add(load(b, at, n), sum);
+        });
+        sum.sum()
+    }
+}
+
 /// An activation, in place.
 #[inline(always)]
 pub(in crate::kernel) unsafe fn activate<V: Vector>(values: &mut [f32], activation: Activation) {

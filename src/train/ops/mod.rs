@@ -10,7 +10,7 @@ use burn::tensor::Tensor;
 
 use crate::nets::Form;
 use own_conv::{Biased, Norm};
-use plenoscope::kernel::Activation;
+use plenoscope::kernel::{Activation, Halves};
 
 /// Whose operations compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,8 +19,17 @@ pub enum Path {
     Stock,
     /// Ours, on the kernel that inference uses.
     Own,
+    /// Ours, with 3×3 convolutions from products of 16-bit numbers where the processor has tiles for them
+    /// ([`plenoscope::kernel::Halves`]).
+    Halves,
     /// Burn's own, on a graphics device.
     Graphics,
+}
+
+impl Path {
+    fn halves(self) -> Option<Halves> {
+        if self == Self::Halves { Halves::best() } else { None }
+    }
 }
 
 /// Convolution (edge padded, no bias), batch normalisation with the batch's statistics, ELU.
@@ -38,7 +47,9 @@ pub fn conv_norm_elu<const D: usize>(
     let [gamma, beta] = norm;
     match path {
         Path::Stock | Path::Graphics => stock::conv_norm_elu(x, weight, gamma, beta, dilation),
-        Path::Own => own::conv_norm_elu(x, weight, gamma, beta, Norm { dilation }),
+        Path::Own | Path::Halves => {
+            own::conv_norm_elu(x, weight, gamma, beta, Norm { dilation, halves: path.halves() })
+        }
     }
 }
 
@@ -53,7 +64,9 @@ pub fn conv_folded_elu<const D: usize>(
     let (weight, bias) = stock::fold(weight, norm);
     match path {
         Path::Stock | Path::Graphics => stock::conv_elu(x, weight, bias, dilation),
-        Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu }),
+        Path::Own | Path::Halves => {
+            own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu, halves: path.halves() })
+        }
     }
 }
 
@@ -94,7 +107,7 @@ pub fn conv_settled(x: Tensor<4>, weight: Tensor<4>, norm: [Tensor<1>; 4], how: 
     let (weight, bias) = stock::fold(weight, norm);
     match path {
         Path::Stock | Path::Graphics => stock::conv_patch(x, weight, bias, how),
-        Path::Own => own::conv_patch(x, weight, bias, how),
+        Path::Own | Path::Halves => own::conv_patch(x, weight, bias, how),
     }
 }
 
@@ -108,7 +121,10 @@ pub fn conv_tanh<const D: usize>(
 ) -> Tensor<D> {
     match path {
         Path::Stock | Path::Graphics => stock::conv_tanh(x, weight, bias, dilation, scale),
-        Path::Own => own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Tanh { scale } }),
+        Path::Own | Path::Halves => {
+            let activation = Activation::Tanh { scale };
+            own::conv_biased(x, weight, bias, Biased { dilation, activation, halves: path.halves() })
+        }
     }
 }
 
@@ -116,7 +132,7 @@ pub fn conv_tanh<const D: usize>(
 pub fn pool(x: Tensor<4>, path: Path) -> Tensor<4> {
     match path {
         Path::Stock | Path::Graphics => stock::pool(x),
-        Path::Own => own::pool(x),
+        Path::Own | Path::Halves => own::pool(x),
     }
 }
 
@@ -124,7 +140,7 @@ pub fn pool(x: Tensor<4>, path: Path) -> Tensor<4> {
 pub fn up_concat(low: Tensor<4>, skip: Tensor<4>, path: Path) -> Tensor<4> {
     match path {
         Path::Stock | Path::Graphics => stock::up_concat(low, skip),
-        Path::Own => own::up_concat(low, skip),
+        Path::Own | Path::Halves => own::up_concat(low, skip),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Convolution with its ends, forward and backward, on the kernel. Formulas: [`plenoscope::kernel`].
 
 use burn::backend::flex::FlexTensor;
-use plenoscope::kernel::{Activation, Conv, ConvShape, Gradients, Isa, Kernel, Padding, norm};
+use plenoscope::kernel::{Activation, Conv, ConvShape, Gradients, Halves, Isa, Kernel, Padding, norm};
 use rayon::prelude::*;
 
 use super::own_flex::{contiguous, dims, make, slice};
@@ -12,6 +12,8 @@ use crate::nets::NORM_EPSILON;
 pub struct Norm {
     /// Distance of neighbouring taps in y and x.
     pub dilation: usize,
+    /// Whether its products are of 16-bit numbers.
+    pub halves: Option<Halves>,
 }
 
 /// A convolution with bias that ends in ELU or in `scale · tanh(z / scale)`.
@@ -21,6 +23,8 @@ pub struct Biased {
     pub dilation: usize,
     /// What it ends in.
     pub activation: Activation,
+    /// Whether its products are of 16-bit numbers.
+    pub halves: Option<Halves>,
 }
 
 /// What the backward pass of a normalised convolution needs.
@@ -44,7 +48,7 @@ pub struct SavedBiased {
 }
 
 /// The kernel's convolution for tensors of these shapes.
-fn conv_of(x: &[usize], weight: &[usize], dilation: usize) -> Conv {
+fn conv_of(x: &[usize], weight: &[usize], dilation: usize, halves: Option<Halves>) -> Conv {
     let volume = x.len() == 5;
     let shape = ConvShape {
         batch: x[0],
@@ -57,7 +61,7 @@ fn conv_of(x: &[usize], weight: &[usize], dilation: usize) -> Conv {
         dilation,
         padding: Padding::Edge,
     };
-    Conv::new(shape, Isa::best())
+    Conv::new(shape, Isa::best()).in_halves(halves)
 }
 
 fn out_shape(x: &[usize], channels: usize) -> Vec<usize> {
@@ -74,7 +78,7 @@ pub(super) fn norm_forward(
 ) -> (FlexTensor, FlexTensor, Saved) {
     let (x, weight, gamma, beta) = (contiguous(x), contiguous(weight), contiguous(gamma), contiguous(beta));
     let x_shape = dims(&x);
-    let conv = conv_of(&x_shape, &dims(&weight), how.dilation);
+    let conv = conv_of(&x_shape, &dims(&weight), how.dilation, how.halves);
     let (plane, channels) = (conv.shape().plane(), conv.shape().channels_out);
     let (z, sums) = conv.step(slice(&x), slice(&weight));
     let norm = norm::Norm::from_sums(&sums, conv.shape().batch * plane, slice(&gamma), slice(&beta), NORM_EPSILON);
@@ -109,10 +113,10 @@ pub(super) fn biased_forward(
     x: FlexTensor,
     weight: FlexTensor,
     bias: FlexTensor,
-    Biased { dilation, activation }: Biased,
+    Biased { dilation, activation, halves }: Biased,
 ) -> (FlexTensor, SavedBiased) {
     let (x, weight, bias) = (contiguous(x), contiguous(weight), contiguous(bias));
-    let conv = conv_of(&dims(&x), &dims(&weight), dilation);
+    let conv = conv_of(&dims(&x), &dims(&weight), dilation, halves);
     let (mut y, _) = conv.step(slice(&x), slice(&weight));
     let (plane, channels) = (conv.shape().plane(), conv.shape().channels_out);
     let scale = if let Activation::Tanh { scale } = activation { scale } else { 1.0 };

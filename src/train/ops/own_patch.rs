@@ -1,5 +1,6 @@
 //! Zero-padded convolutions of settled normalisation, forward on the kernel that inference uses, and backward.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use burn::backend::flex::FlexTensor;
@@ -10,9 +11,6 @@ use rayon::prelude::*;
 use super::Patch;
 use super::own_flex::{contiguous, dims, make, slice};
 use crate::nets::zeros;
-
-/// Sums that are kept apart, so that they are added up several at a time.
-const LANES: usize = 16;
 
 /// What the backward pass needs.
 #[derive(Clone, Debug)]
@@ -91,9 +89,9 @@ impl SavedPatch {
     /// Gradients of input (if wanted), weights and bias.
     pub(super) fn backward(&self, gy: &[f32], wants_x: bool) -> [Option<FlexTensor>; 3] {
         let (shape, isa) = (&self.shape, Isa::best());
-        let inside = |y: f32| !self.how.clamped || (0.0 < y && y < 6.0);
-        let values = slice(&self.y).par_iter().zip(gy).with_min_len(8192);
-        let gz: Vec<f32> = values.map(|(y, gy)| if inside(*y) { *gy } else { 0.0 }).collect();
+        let inside = |(y, gy): (&f32, &f32)| if 0.0 < *y && *y < 6.0 { *gy } else { 0.0 };
+        let clamped = || slice(&self.y).par_iter().zip(gy).with_min_len(8192).map(inside).collect::<Vec<f32>>();
+        let gz = if self.how.clamped { Cow::Owned(clamped()) } else { Cow::Borrowed(gy) };
         let sums = norm::sums(isa, &gz, shape.outputs, shape.patches.pixels());
         let bias = sums.iter().map(|[sum, _]| *sum as f32).collect();
         let (weights, x) = if self.how.each() { self.each(&gz, wants_x) } else { self.all(&gz, wants_x) };
@@ -193,21 +191,16 @@ fn rows(patches: &Patches, tap: usize) -> impl Iterator<Item = (Range<usize>, us
 
 /// Σ of a tap's pixels with the result's gradient.
 fn correlation(patches: &Patches, tap: usize, x: &[f32], gz: &[f32]) -> f32 {
-    let mut sums = [0.0; LANES];
+    let (isa, mut sum) = (Isa::best(), 0.0);
     for (at, from) in rows(patches, tap) {
         let gz = &gz[at];
         if patches.stride[1] == 1 {
-            let x = &x[from..][..gz.len()];
-            let (x, gz) = (x.as_chunks::<LANES>(), gz.as_chunks::<LANES>());
-            let mut add =
-                |x: &[f32], gz: &[f32]| sums.iter_mut().zip(x.iter().zip(gz)).for_each(|(sum, (x, gz))| *sum += x * gz);
-            x.0.iter().zip(gz.0).for_each(|(x, gz)| add(x, gz));
-            add(x.1, gz.1);
+            sum += norm::dot(isa, &x[from..][..gz.len()], gz);
         } else {
-            sums[0] += x[from..].iter().step_by(patches.stride[1]).zip(gz).map(|(x, gz)| x * gz).sum::<f32>();
+            sum += x[from..].iter().step_by(patches.stride[1]).zip(gz).map(|(x, gz)| x * gz).sum::<f32>();
         }
     }
-    sums.iter().sum()
+    sum
 }
 
 /// Adds the result's gradient, times a weight, to a tap's pixels.

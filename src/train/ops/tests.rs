@@ -91,6 +91,19 @@ fn convolution_with_tanh_is_burns() {
     }
 }
 
+#[test]
+fn products_of_halves_are_near_and_ours_where_the_processor_has_none() {
+    let length = |values: &[f32]| values.iter().map(|v| v * v).sum::<f32>().sqrt();
+    for (x, outputs, dilation) in [([1, 16, 9, 50], 64, 1), ([2, 24, 8, 6], 40, 2)] {
+        let [halves, whole] = [Path::Halves, Path::Own].map(|path| norm_elu(x, outputs, dilation, path));
+        assert_eq!(halves == whole, Halves::best().is_none());
+        for (a, b) in halves.iter().zip(&whole) {
+            let differences: Vec<f32> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+            assert!(length(&differences) < 0.01 * length(b), "{} of {}", length(&differences), length(b));
+        }
+    }
+}
+
 /// Result and the gradients of input, weights, γ and β of Σ result·probe, normalised by given statistics.
 fn folded_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize, path: Path) -> Vec<Vec<f32>> {
     let mut shape = [3; D];
