@@ -1,5 +1,7 @@
 //! The two gradients of a convolution.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::driver::Valid;
@@ -65,16 +67,18 @@ pub(super) fn weights(shape: &ConvShape, isa: Isa, x: &Padded, gradient: &Padded
     assert_eq!((x.layout.channels, x.layout.margin), (shape.channels_in, shape.reach()), "the padded input");
     assert_eq!((gradient.layout.channels, gradient.layout.margin), (shape.channels_out, margin(shape)), "the gradient");
     let job = WeightGradient::new(shape, isa, x, gradient);
-    let chunks = job.tasks().min(2 * rayon::current_num_threads());
-    let sums = (0..chunks)
-        .into_par_iter()
-        .with_max_len(1)
-        .map(|chunk| job.sums(job.tasks() * chunk / chunks..job.tasks() * (chunk + 1) / chunks))
-        .reduce_with(|mut a, b| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            a
-        });
-    job.unpack(&sums.unwrap_or_default())
+    job.unpack(&added_up(job.tasks(), |tasks| job.sums(tasks)))
+}
+
+/// The sum of what all tasks bring, some of which each thread does in one go.
+pub(super) fn added_up(tasks: usize, sums: impl Fn(Range<usize>) -> Vec<f32> + Sync) -> Vec<f32> {
+    let chunks = tasks.min(2 * rayon::current_num_threads());
+    let of_chunk = |chunk: usize| sums(tasks * chunk / chunks..tasks * (chunk + 1) / chunks);
+    let added = (0..chunks).into_par_iter().with_max_len(1).map(of_chunk).reduce_with(|mut a, b| {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        a
+    });
+    added.unwrap_or_default()
 }
 
 /// The weight gradient cut into blocks of rows.
@@ -112,7 +116,7 @@ impl<'a> WeightGradient<'a> {
         self.shape.channels_out.div_ceil(BLOCK) * self.shape.channels_in * self.taps[0] * self.taps[1] * BLOCK
     }
 
-    fn sums(&self, tasks: std::ops::Range<usize>) -> Vec<f32> {
+    fn sums(&self, tasks: Range<usize>) -> Vec<f32> {
         let mut sums = vec![0.0; self.len()];
         let mut block = vec![0.0; BLOCK * self.block_rows * self.columns];
         for task in tasks {
@@ -129,7 +133,7 @@ impl<'a> WeightGradient<'a> {
     }
 
     /// Copies the output gradient of up to 8 channels into `block` `[8][row][column]`; columns past the width are 0.
-    fn gather(&self, image: usize, view: usize, channel: usize, rows: std::ops::Range<usize>, block: &mut [f32]) {
+    fn gather(&self, image: usize, view: usize, channel: usize, rows: Range<usize>, block: &mut [f32]) {
         let layout = &self.gradient.layout;
         let [view_margin, row_margin, column_margin] = layout.margin;
         let width = self.shape.width;
@@ -148,7 +152,7 @@ impl<'a> WeightGradient<'a> {
         image: usize,
         view: usize,
         channel: usize,
-        rows: std::ops::Range<usize>,
+        rows: Range<usize>,
         block: &[f32],
         sums: &mut [f32],
     ) {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::planes::{Layout, Pairs, Weights};
 use super::product::{Product, Step};
 use super::{ACROSS, HalfBatch, TAPS, TILE};
-use crate::kernel::gradient::fold;
+use crate::kernel::gradient::{added_up, fold};
 use crate::kernel::isa::on_isa;
 use crate::kernel::padded::by_chunks;
 use crate::kernel::shape::{ConvShape, Padding};
@@ -101,21 +101,14 @@ impl HalfBatch<'_> {
         let ConvShape { batch, channels_in, channels_out, .. } = *self.shape;
         let [inputs, results] = [x.layout.planes, gradient.groups * TILE];
         let blocks = gradient.steps.div_ceil(BLOCK);
-        let tasks = batch * blocks;
-        let chunks = tasks.min(2 * rayon::current_num_threads());
-        let of_chunk = |chunk: usize| {
+        let sums = added_up(batch * blocks, |tasks| {
             let mut sums = vec![0.0; TAPS * inputs * results];
-            for task in tasks * chunk / chunks..tasks * (chunk + 1) / chunks {
+            for task in tasks {
                 let first = task % blocks * BLOCK;
                 self.block(x, gradient, task / blocks, first..(first + BLOCK).min(gradient.steps), &mut sums);
             }
             sums
-        };
-        let sums = (0..chunks).into_par_iter().with_max_len(1).map(of_chunk).reduce_with(|mut a, b| {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
-            a
         });
-        let sums = sums.unwrap_or_default();
         let mut weights = vec![0.0; self.shape.weights_len()];
         weights.par_chunks_mut(TAPS * channels_in).enumerate().take(channels_out).for_each(|(o, weights)| {
             for (i, weights) in weights.chunks_mut(TAPS).enumerate() {

@@ -94,9 +94,12 @@ impl<'a> HalfBatch<'a> {
             };
             results.chunks(step).take(channels).enumerate().map(of_channel).collect::<Sums>()
         };
-        let add = |a: Sums, b: Sums| a.iter().zip(b).map(|(a, b)| [a[0] + b[0], a[1] + b[1]]).collect();
-        let none = || vec![[0.0; 2]; channels];
-        let sums = (0..images * blocks).into_par_iter().with_max_len(1).map(task).reduce(none, add);
+        // Collected before they are added up, so that the sums do not depend on the threads.
+        let of_tasks: Vec<Sums> = (0..images * blocks).into_par_iter().with_max_len(1).map(task).collect();
+        let mut sums = vec![[0.0; 2]; channels];
+        for more in of_tasks {
+            sums.iter_mut().zip(more).for_each(|(sum, more)| *sum = [sum[0] + more[0], sum[1] + more[1]]);
+        }
         // SAFETY: the blocks cover every row of every channel.
         unsafe { z.set_len(images * channels * plane) };
         (z, sums)
