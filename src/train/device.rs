@@ -47,7 +47,7 @@ impl Place {
 /// As [`Place::ready`].
 pub fn of(path: Path) -> Result<Device, TrainError> {
     match path {
-        Path::Stock | Path::Own | Path::Halves => Ok(Device::flex()),
+        Path::Stock | Path::Own(_) => Ok(Device::flex()),
         Path::Graphics => graphics(),
     }
 }
@@ -127,7 +127,7 @@ mod tests {
             of(&mut a.iter().zip(b).map(|(a, b)| a - b)) / of(&mut a.iter().copied()).max(1e-12)
         };
         for arch in [Arch::Tiny, Arch::Occlusion, Arch::CornerColour] {
-            let ((ours, gradients), (theirs, others)) = (pass(arch, Path::Own), pass(arch, Path::Graphics));
+            let ((ours, gradients), (theirs, others)) = (pass(arch, Path::OWN), pass(arch, Path::Graphics));
             assert!(apart(&ours, &theirs) < 1e-3, "{arch:?}: {}", apart(&ours, &theirs));
             assert_eq!(gradients.len(), others.len());
             for (i, (a, b)) in gradients.iter().zip(&others).enumerate() {

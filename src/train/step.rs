@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use burn::tensor::Tensor;
+use plenoscope::kernel::Halves;
 use rayon::prelude::*;
 
 use crate::TrainError;
@@ -51,13 +52,13 @@ pub(crate) fn path(config: &Config) -> Path {
         Place::Gpu => Path::Graphics,
         Place::Cpu if config.stock => Path::Stock,
         // libtorch does steps alone.
-        Place::Cpu | Place::Torch => Path::Own,
+        Place::Cpu | Place::Torch => Path::OWN,
     }
 }
 
 pub(crate) fn training<'a>(weights: &'a Weights, config: &Config) -> Result<Tape<'a>, TrainError> {
     let path = match path(config) {
-        Path::Own if config.halves => Path::Halves,
+        Path::Own(_) if config.halves => Path::Own(Halves::best()),
         path => path,
     };
     Ok(Tape::new(weights, Mode::Train, path)?.keeping_norm(config.keep_norm))

@@ -252,7 +252,7 @@ mod tests {
             let shape = [2, graph.input_channels(), 16, 24];
             let wave = |n: usize| (0..n).map(|i| (i as f32 * 0.37).sin()).collect::<Vec<_>>();
             let input = wave(shape.iter().product());
-            let mut tape = Tape::new(&weights, Mode::Train, Path::Own).unwrap();
+            let mut tape = Tape::new(&weights, Mode::Train, Path::OWN).unwrap();
             let y = tape.run2(&graph, tape.input(input.clone(), shape), Some(&views)).unwrap();
             let ours = own_values(y.clone());
             let weighed = y.clone() * tape.input(wave(ours.len()), y.dims());

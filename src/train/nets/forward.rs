@@ -258,7 +258,7 @@ mod tests {
             assert!(grown.trained_values() > own.trained_values());
             let picture: Vec<f32> = (0..5 * 16 * 16).map(|i| (i as f32 * 0.37).sin()).collect();
             let depths = |weights: &Weights, graph: &Graph| {
-                let mut tape = Tape::new(weights, Mode::Train, Path::Own).unwrap();
+                let mut tape = Tape::new(weights, Mode::Train, Path::OWN).unwrap();
                 let x = tape.input(picture.clone(), [1, 5, 16, 16]);
                 let y = tape.run2(graph, x, None).unwrap();
                 let gradients = y.clone().abs().sum().backward();
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn left_out_channels_are_zero_and_the_others_make_up_for_them() {
         let weights = Weights::random(&Arch::Tiny.graph(), 1);
-        let mut tape = Tape::new(&weights, Mode::Train, Path::Own).unwrap().dropping(0.25, Rng::new(5, 0));
+        let mut tape = Tape::new(&weights, Mode::Train, Path::OWN).unwrap().dropping(0.25, Rng::new(5, 0));
         let ones = tape.input(vec![1.0; 1000 * 4], [10, 100, 2, 2]);
         let thinned = values(tape.thinned(ones));
         let channels = thinned.chunks(4).map(|channel| channel.iter().sum::<f32>() / 4.0);

@@ -17,19 +17,16 @@ use plenoscope::kernel::{Activation, Halves};
 pub enum Path {
     /// Burn's own operations, on the processor.
     Stock,
-    /// Ours, on the kernel that inference uses.
-    Own,
-    /// Ours, with 3×3 convolutions from products of 16-bit numbers where the processor has tiles for them
-    /// ([`plenoscope::kernel::Halves`]).
-    Halves,
+    /// Ours, on the kernel that inference uses; 3×3 convolutions from products of 16-bit numbers, given the proof that the
+    /// processor has tiles for them.
+    Own(Option<Halves>),
     /// Burn's own, on a graphics device.
     Graphics,
 }
 
 impl Path {
-    fn halves(self) -> Option<Halves> {
-        if self == Self::Halves { Halves::best() } else { None }
-    }
+    /// Ours, in f32 throughout.
+    pub const OWN: Self = Self::Own(None);
 }
 
 /// Convolution (edge padded, no bias), batch normalisation with the batch's statistics, ELU.
@@ -47,9 +44,7 @@ pub fn conv_norm_elu<const D: usize>(
     let [gamma, beta] = norm;
     match path {
         Path::Stock | Path::Graphics => stock::conv_norm_elu(x, weight, gamma, beta, dilation),
-        Path::Own | Path::Halves => {
-            own::conv_norm_elu(x, weight, gamma, beta, Norm { dilation, halves: path.halves() })
-        }
+        Path::Own(halves) => own::conv_norm_elu(x, weight, gamma, beta, Norm { dilation, halves }),
     }
 }
 
@@ -64,8 +59,8 @@ pub fn conv_folded_elu<const D: usize>(
     let (weight, bias) = stock::fold(weight, norm);
     match path {
         Path::Stock | Path::Graphics => stock::conv_elu(x, weight, bias, dilation),
-        Path::Own | Path::Halves => {
-            own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu, halves: path.halves() })
+        Path::Own(halves) => {
+            own::conv_biased(x, weight, bias, Biased { dilation, activation: Activation::Elu, halves })
         }
     }
 }
@@ -107,7 +102,7 @@ pub fn conv_settled(x: Tensor<4>, weight: Tensor<4>, norm: [Tensor<1>; 4], how: 
     let (weight, bias) = stock::fold(weight, norm);
     match path {
         Path::Stock | Path::Graphics => stock::conv_patch(x, weight, bias, how),
-        Path::Own | Path::Halves => own::conv_patch(x, weight, bias, how),
+        Path::Own(_) => own::conv_patch(x, weight, bias, how),
     }
 }
 
@@ -121,9 +116,9 @@ pub fn conv_tanh<const D: usize>(
 ) -> Tensor<D> {
     match path {
         Path::Stock | Path::Graphics => stock::conv_tanh(x, weight, bias, dilation, scale),
-        Path::Own | Path::Halves => {
+        Path::Own(halves) => {
             let activation = Activation::Tanh { scale };
-            own::conv_biased(x, weight, bias, Biased { dilation, activation, halves: path.halves() })
+            own::conv_biased(x, weight, bias, Biased { dilation, activation, halves })
         }
     }
 }
@@ -132,7 +127,7 @@ pub fn conv_tanh<const D: usize>(
 pub fn pool(x: Tensor<4>, path: Path) -> Tensor<4> {
     match path {
         Path::Stock | Path::Graphics => stock::pool(x),
-        Path::Own | Path::Halves => own::pool(x),
+        Path::Own(_) => own::pool(x),
     }
 }
 
@@ -140,7 +135,7 @@ pub fn pool(x: Tensor<4>, path: Path) -> Tensor<4> {
 pub fn up_concat(low: Tensor<4>, skip: Tensor<4>, path: Path) -> Tensor<4> {
     match path {
         Path::Stock | Path::Graphics => stock::up_concat(low, skip),
-        Path::Own | Path::Halves => own::up_concat(low, skip),
+        Path::Own(_) => own::up_concat(low, skip),
     }
 }
 

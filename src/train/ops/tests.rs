@@ -47,7 +47,7 @@ fn norm_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize, path
 }
 
 fn check_norm_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize) {
-    let (ours, theirs) = (norm_elu(x, outputs, dilation, Path::Own), norm_elu(x, outputs, dilation, Path::Stock));
+    let (ours, theirs) = (norm_elu(x, outputs, dilation, Path::OWN), norm_elu(x, outputs, dilation, Path::Stock));
     for (what, (a, b)) in ["y", "statistics", "∂x", "∂w", "∂γ", "∂β"].into_iter().zip(ours.iter().zip(&theirs))
     {
         same(&format!("{what} of {x:?} → {outputs}, dilation {dilation}"), a, b);
@@ -85,7 +85,7 @@ fn convolution_with_tanh_is_burns() {
         [values(y), values(x), values(w), values(b)]
     };
     for channels in [[8, 6], [40, 24]] {
-        for (a, b) in run(channels, Path::Own).iter().zip(&run(channels, Path::Stock)) {
+        for (a, b) in run(channels, Path::OWN).iter().zip(&run(channels, Path::Stock)) {
             same(&format!("conv_tanh {channels:?}"), a, b);
         }
     }
@@ -95,7 +95,7 @@ fn convolution_with_tanh_is_burns() {
 fn products_of_halves_are_near_and_ours_where_the_processor_has_none() {
     let length = |values: &[f32]| values.iter().map(|v| v * v).sum::<f32>().sqrt();
     for (x, outputs, dilation) in [([1, 16, 9, 50], 64, 1), ([2, 24, 8, 6], 40, 2)] {
-        let [halves, whole] = [Path::Halves, Path::Own].map(|path| norm_elu(x, outputs, dilation, path));
+        let [halves, whole] = [Path::Own(Halves::best()), Path::OWN].map(|path| norm_elu(x, outputs, dilation, path));
         assert_eq!(halves == whole, Halves::best().is_none());
         for (a, b) in halves.iter().zip(&whole) {
             let differences: Vec<f32> = a.iter().zip(b).map(|(a, b)| a - b).collect();
@@ -121,7 +121,7 @@ fn folded_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize, pa
 }
 
 fn check_folded_elu<const D: usize>(x: [usize; D], outputs: usize, dilation: usize) {
-    let (ours, theirs) = (folded_elu(x, outputs, dilation, Path::Own), folded_elu(x, outputs, dilation, Path::Stock));
+    let (ours, theirs) = (folded_elu(x, outputs, dilation, Path::OWN), folded_elu(x, outputs, dilation, Path::Stock));
     for (what, (a, b)) in ["y", "∂x", "∂w", "∂γ", "∂β"].into_iter().zip(ours.iter().zip(&theirs)) {
         same(&format!("{what} of {x:?} → {outputs} with kept statistics"), a, b);
     }
@@ -162,7 +162,7 @@ fn convolutions_of_settled_normalisation_are_burns() {
     ];
     for ((x, outputs, form, dilation), clamped) in all.into_iter().flat_map(|case| [(case, true), (case, false)]) {
         let how = Patch { form, dilation, clamped };
-        let (ours, theirs) = (settled(x, outputs, how, Path::Own), settled(x, outputs, how, Path::Stock));
+        let (ours, theirs) = (settled(x, outputs, how, Path::OWN), settled(x, outputs, how, Path::Stock));
         for (what, (a, b)) in ["y", "∂x", "∂w", "∂γ", "∂β"].into_iter().zip(ours.iter().zip(&theirs)) {
             same(&format!("{what} of {x:?} → {outputs}, {how:?}"), a, b);
         }
@@ -180,7 +180,7 @@ fn pooling_and_joining_are_burns() {
         .backward();
         [values(joined), values(pooled), values(low.grad(&gradients).unwrap()), values(skip.grad(&gradients).unwrap())]
     };
-    for (a, b) in run(Path::Own).iter().zip(&run(Path::Stock)) {
+    for (a, b) in run(Path::OWN).iter().zip(&run(Path::Stock)) {
         same("pool and up_concat", a, b);
     }
 }
