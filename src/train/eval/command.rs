@@ -39,6 +39,11 @@ pub fn command() -> Command {
                 .default_value("0")
                 .value_parser(value_parser!(usize)),
         )
+        .arg(
+            arg!(--"solid-px" <PX> "Width of those scenes, 4 to 3; a net is judged fairly at the size that it works at")
+                .default_value("160")
+                .value_parser(value_parser!(u16).range(64..=640)),
+        )
         .arg(arg!(--models <DIR> "Models, laid out like models/").required(false).value_parser(path()))
         .arg(
             arg!(--net <NAME> "A depth net of theirs other than the pair's own, such as paper-flowers").required(false),
@@ -128,9 +133,11 @@ fn against_truth(
     }
     let count = matches.get_one::<usize>("solid").copied().unwrap_or(0);
     if count > 0 {
-        let report = judge_scenes(matches.get_one::<PathBuf>("data").cloned().unwrap_or_default(), count, models)?;
+        let data = matches.get_one::<PathBuf>("data").cloned().unwrap_or_default();
+        let width = matches.get_one::<u16>("solid-px").copied().map_or(160, usize::from);
+        let report = judge_scenes(data, count, width, models)?;
         put("scenes.png", &report.rows)?;
-        judged.push(("scenes in three dimensions, held out".to_owned(), truth::groups(&report.figures)));
+        judged.push((format!("scenes in three dimensions of {width} px, held out"), truth::groups(&report.figures)));
     }
     Ok(judged)
 }
@@ -170,24 +177,22 @@ fn judge(pictures: &[scenes::Picture], models: &dyn Predictor) -> Result<Judged>
     Ok(judged)
 }
 
-/// Width and height of the scenes that nets are judged by.
-const SCENE_PX: [usize; 2] = [160, 120];
-
-fn judge_scenes(data: PathBuf, count: usize, models: &dyn Predictor) -> Result<Judged> {
+fn judge_scenes(data: PathBuf, count: usize, width: usize, models: &dyn Predictor) -> Result<Judged> {
+    let size = [width, width * 3 / 4];
     let mix = scenes::Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0, solid: 1.0 };
-    let (long_side, split) = (SCENE_PX[0], scenes::Split::Val);
+    let (long_side, split) = (width, scenes::Split::Val);
     let source =
-        scenes::Source::new(&scenes::Config { data, long_side, crop: SCENE_PX, mix, split, ..Default::default() })?;
+        scenes::Source::new(&scenes::Config { data, long_side, crop: size, mix, split, ..Default::default() })?;
     let mut judged = Judged::default();
     let bar = progress("scenes");
     for index in 0..count as u64 {
-        let sample = source.solid_scene(index, SCENE_PX);
-        let plane = SCENE_PX[0] * SCENE_PX[1];
+        let sample = source.solid_scene(index, size);
+        let plane = size[0] * size[1];
         let px = (0..plane).map(|i| [0, 1, 2].map(|c| sample.rgb[c * plane + i])).collect();
-        let photo = crate::scenes::raster::Raster { size: SCENE_PX, px };
+        let photo = crate::scenes::raster::Raster { size, px };
         let prediction = models.predict(&photo)?;
         let depth = prediction.view(scenes::REFERENCE, plane);
-        let found = truth::Compared { size: SCENE_PX, depth, truth: &sample.disparity };
+        let found = truth::Compared { size, depth, truth: &sample.disparity };
         judged.add(&found, [&index.to_string(), &sample.origin], &photo, count.div_ceil(12));
         step(&bar, count);
     }

@@ -33,6 +33,8 @@ pub struct Picture {
     pub holes: Option<Raster<u8>>,
     /// Whether the map was measured, by a sensor or by stereo.
     pub measured: bool,
+    /// Whether a net of ours made the map (`teach`).
+    pub taught: bool,
     /// What the map is worth, 0 … 1.
     pub worth: f32,
     /// People, room, street …
@@ -44,7 +46,18 @@ impl Picture {
     /// A picture from its parts.
     pub fn new(id: String, rgb: Raster<[u8; 3]>, mask: Option<Raster<u8>>, nearness: Option<Raster<u8>>) -> Self {
         let (holes, kind) = (None, String::new());
-        Self { id, rgb, mask, nearness, holes, measured: false, worth: 1.0, kind, cutout: OnceLock::new() }
+        Self {
+            id,
+            rgb,
+            mask,
+            nearness,
+            holes,
+            measured: false,
+            taught: false,
+            worth: 1.0,
+            kind,
+            cutout: OnceLock::new(),
+        }
     }
 
     /// Whether the photo comes from one of the flower folders.
@@ -162,7 +175,8 @@ fn items<'a>(data: &Path, [flowers, everyday, more, depth]: &'a [Vec<Entry>; 4],
     };
     let mut items = Vec::new();
     for entry in flowers.iter().filter(|entry| entry.split() == split) {
-        items.push(item("flowers", entry, mapped.contains(entry.id.as_str()).then_some("photos_depth")));
+        let is_mapped = if entry.is_taught() { entry.has_map() } else { mapped.contains(entry.id.as_str()) };
+        items.push(item("flowers", entry, is_mapped.then_some("photos_depth")));
     }
     for (name, entries) in [("everyday", everyday), ("everyday10k", more)] {
         for entry in entries.iter().filter(|entry| entry.split() == split) {
@@ -213,6 +227,7 @@ fn read_picture(item: &Item, long_side: usize) -> Result<Picture, SceneError> {
     }
     picture.worth = if picture.nearness.is_some() { item.entry.worth() } else { 1.0 };
     picture.measured = item.entry.is_measured();
+    picture.taught = item.entry.is_taught();
     picture.kind = item.entry.kind.clone().unwrap_or_default();
     Ok(picture)
 }

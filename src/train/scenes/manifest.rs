@@ -49,6 +49,11 @@ impl Entry {
         matches!(self.label.as_deref(), Some("sensor" | "stereo"))
     }
 
+    /// Whether a net of ours made its map.
+    pub(super) fn is_taught(&self) -> bool {
+        self.maps.is_some()
+    }
+
     /// Measured depth is the truth; a map of another net is worth what it agrees with itself.
     pub(super) fn worth(&self) -> f32 {
         match self.gate.as_deref() {

@@ -159,8 +159,8 @@ impl Teachers {
     }
 }
 
-/// Folders whose maps another net made, so that one of ours may take its place.
-const TAUGHT: [&str; 2] = ["everyday", "everyday10k"];
+/// Folders whose maps another net made, so that one of ours may take its place, and flowers, most of which have none.
+const TAUGHT: [&str; 3] = ["everyday", "everyday10k", "flowers"];
 
 /// A photo to train on whose map a net of ours may make.
 struct Pupil {
@@ -183,9 +183,9 @@ impl Pupil {
         Ok((seen.map(|rgb| rgb.map(|value| value / 255.0)), fitted(photo.size)))
     }
 
-    /// The map that it has, at this size; none where that is doubtful.
+    /// The map beside it, at this size; none where that is doubtful.
     fn nearness(&self, size: [usize; 2]) -> Result<Option<Raster<f32>>, SceneError> {
-        let path = self.entry.has_map().then(|| self.file("nearness.png"));
+        let path = self.entry.has_map().then(|| self.file("nearness.png")).filter(|path| path.exists());
         let map = path.map(|path| read_gray("nearness map", &path)).transpose()?;
         Ok(map.map(|map| map.resized(size).map(|texel| texel[0])))
     }
@@ -289,6 +289,22 @@ mod tests {
         assert_ne!(map(&before, "wide"), map(&after, "wide"));
         // What is there is kept, and nothing is left to do.
         assert!(taught(data.path(), "1").unwrap_err().to_string().contains("no photos that lack maps"));
+    }
+
+    #[test]
+    fn flowers_that_have_no_map_get_one() {
+        let data = tempfile::tempdir().unwrap();
+        let folder = data.path().join("flowers");
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("manifest.jsonl"), r#"{"id":"rose","split":"train"}"#).unwrap();
+        let photo = image::RgbImage::from_fn(48, 40, |x, y| image::Rgb([4 * x as u8, 5 * y as u8, 90]));
+        photo.save(folder.join("rose.jpg")).unwrap();
+        let before = Config { data: data.path().to_owned(), long_side: 40, ..Config::default() };
+        assert!(Library::load(&before).unwrap().pictures[0].nearness.is_none());
+        // There is no teacher whose map a part of it could be.
+        taught(data.path(), "0.5").unwrap();
+        let rose = &library(data.path()).pictures[0];
+        assert!(rose.taught && rose.is_flower() && rose.nearness.is_some());
     }
 
     #[test]
