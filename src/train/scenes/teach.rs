@@ -37,7 +37,7 @@ pub fn command() -> Command {
     Command::new("teach")
         .about("Write nearness maps of photos as nets see them, for `train --maps`")
         .arg(
-            arg!(--data <DIR> "Folder of everyday/, everyday10k/ …")
+            arg!(--data <DIR> "Folder of flowers/, everyday/, everyday10k/ …")
                 .value_parser(value_parser!(PathBuf))
                 .required(true),
         )
