@@ -180,9 +180,9 @@ fn judge(pictures: &[scenes::Picture], models: &dyn Predictor) -> Result<Judged>
 fn judge_scenes(data: PathBuf, count: usize, width: usize, models: &dyn Predictor) -> Result<Judged> {
     let size = [width, width * 3 / 4];
     let mix = scenes::Mix { lifted: 0.0, collage: 0.0, pseudo: 0.0, real: 0.0, solid: 1.0 };
-    let (long_side, split) = (width, scenes::Split::Val);
-    let source =
-        scenes::Source::new(&scenes::Config { data, long_side, crop: size, mix, split, ..Default::default() })?;
+    let split = scenes::Split::Val;
+    let config = scenes::Config { data, long_side: width, crop: size, mix, split, ..Default::default() };
+    let source = scenes::Source::new(&config)?;
     let mut judged = Judged::default();
     let bar = progress("scenes");
     for index in 0..count as u64 {
