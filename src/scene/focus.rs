@@ -3,7 +3,7 @@
 //! The nearest thing is seldom what a photo is about (petals reach out beyond the head of a flower, grass beyond both),
 //! and the picture's middle may miss it. What is nearer than the rest is split off (Otsu 1979). Each place counts by how near it
 //! lies to the middle and how much its colours stand out ([`Salience`]), more so where it is near, and the focus goes to where
-//! that mass is densest.
+//! that mass is densest. What lies farthest does not count: a sky between flowers stands out by its colours.
 
 use super::Salience;
 use crate::field::DisparityMap;
@@ -67,10 +67,12 @@ pub fn subject(map: &DisparityMap, salience: &Salience) -> [f32; 2] {
     let flat_px = FLAT_SHARE * map.size()[0] as f32;
     let samples = samples(map);
     let Some(border) = standing_out(&samples, flat_px) else { return [0.5, 0.5] };
+    let [far, _] = ends(map);
     let tells = |sample: &Sample| {
         let colour = salience.at(sample.place).powi(2);
         let near = if sample.disparity_px >= border { colour + NEAR_ALONE } else { 0.0 };
-        near + ANYWHERE * colour
+        let before_the_farthest = ((sample.disparity_px - far) / (border - far).max(flat_px)).clamp(0.0, 1.0);
+        near + ANYWHERE * before_the_farthest * colour
     };
     let told: Vec<(&Sample, f32)> = samples.iter().map(|sample| (sample, tells(sample))).collect();
     let mean = |weight: &dyn Fn(&Sample) -> f32| {
@@ -245,6 +247,16 @@ mod tests {
             [Salience::of([120, 90], row), Salience::even()].map(|salience| subject(&plant, &salience));
         assert!(distance(colours, red) < 0.1, "{colours:?}");
         assert!(distance(none, red) > 0.1, "{none:?}");
+    }
+
+    #[test]
+    fn the_flowers_and_not_the_sky_between_them() {
+        let sky = |x: f32, y: f32| distance([x, y], [0.5, 0.45]) < 0.12;
+        let bed = scene(|x, y| if sky(x, y) { -2.0 } else { 0.3 * y });
+        let colour = |x: f32, y: f32| if sky(x, y) { [150, 190, 240, 255] } else { [200, 160, 20, 255] };
+        let row = |y: usize| Cow::Owned((0..120).flat_map(|x| colour(x as f32 / 120.0, y as f32 / 90.0)).collect());
+        let [x, y] = subject(&bed, &Salience::of([120, 90], row));
+        assert!(!sky(x, y), "{x}, {y}");
     }
 
     #[test]
