@@ -36,7 +36,11 @@ const TAIL: f32 = 0.02;
 
 /// Disparities between which almost all of a map lies, far and near.
 pub fn ends(map: &DisparityMap) -> [f32; 2] {
-    let mut all: Vec<f32> = samples(map).iter().map(|sample| sample.disparity_px).collect();
+    ends_of(&samples(map))
+}
+
+fn ends_of(samples: &[Sample]) -> [f32; 2] {
+    let mut all: Vec<f32> = samples.iter().map(|sample| sample.disparity_px).collect();
     all.sort_by(f32::total_cmp);
     let at = |share: f32| all[((all.len() - 1) as f32 * share).round() as usize];
     [at(TAIL), at(1.0 - TAIL)]
@@ -67,7 +71,7 @@ pub fn subject(map: &DisparityMap, salience: &Salience) -> [f32; 2] {
     let flat_px = FLAT_SHARE * map.size()[0] as f32;
     let samples = samples(map);
     let Some(border) = standing_out(&samples, flat_px) else { return [0.5, 0.5] };
-    let [far, _] = ends(map);
+    let [far, _] = ends_of(&samples);
     let tells = |sample: &Sample| {
         let colour = salience.at(sample.place).powi(2);
         let near = if sample.disparity_px >= border { colour + NEAR_ALONE } else { 0.0 };
