@@ -58,8 +58,8 @@ const BINS: usize = 64;
 /// A part that has more than this share of the weight does not stand out; and how often it is split at most.
 const MOST: f32 = 0.5;
 const SPLITS: usize = 3;
-/// How much a near place counts whose colours do not stand out, and a place anywhere whose colours do, against a near one whose
-/// colours do.
+/// How much a near place counts whose colours do not stand out, and one that is not near whose colours do (down to nothing at
+/// the farthest), against a near one whose colours do.
 const NEAR_ALONE: f32 = 0.05;
 const ANYWHERE: f32 = 0.6;
 /// Less difference than this between near and far is a flat scene, as a share of the width.
