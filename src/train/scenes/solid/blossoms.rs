@@ -7,9 +7,10 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use super::mesh::{Mesh, Paint};
 use super::set::Set;
-use super::shapes::{any_way, lathe, leaves, sheet, stem, together, tube};
+use super::shapes::{any_way, lathe, leaves, round_leaves, sheet, stem, together, tube};
 use super::shot::{Framing, Shot, Sky, above};
 use super::texture::Texture;
+use crate::rng::Rng;
 use crate::scenes::raster::Raster;
 
 /// One kind of flower; lengths are shares of the blossom's width.
@@ -23,6 +24,8 @@ pub(super) struct Kind {
     /// Radius and height of the middle.
     middle: [f32; 2],
     stamens: usize,
+    /// Bells about the end of a stem, and the height that they take; none where petals stand about a middle.
+    bells: Option<(usize, f32)>,
     paint: Paint,
     heart: Paint,
     green: Paint,
@@ -56,6 +59,25 @@ impl Kind {
             (place, Vec2::new(0.05 + 0.9 * s, 0.97 - 0.94 * t))
         })
     }
+}
+
+/// Bells about the y axis, smaller and closer to it towards its upper end: hyacinths, lupins, lavender.
+fn spike((count, long): (usize, f32), sides: usize, rng: &mut Rng) -> Mesh {
+    let taper = rng.range(0.3, 0.8);
+    let (out, size, sink) = (rng.range(0.08, 0.2), rng.range(0.12, 0.22), rng.range(-0.8, 0.5));
+    together((0..count).map(|i| {
+        let share = i as f32 / count as f32;
+        // Turned by the golden angle, bells fill the spike evenly.
+        let (sin, cos) = (2.4 * i as f32 + rng.range(-0.3, 0.3)).sin_cos();
+        let (slim, along) = (1.0 - taper * share, Vec3::new(cos, sink, sin).normalize());
+        let foot = Vec3::new(out * slim * cos, long * (share - 0.6), out * slim * sin);
+        let (side, up) = along.any_orthonormal_pair();
+        sheet([sides.max(4), 3], |s, t| {
+            let (sin, cos) = (TAU * s).sin_cos();
+            let thick = size * slim * (0.1 + 0.45 * (TAU * 0.45 * t).sin());
+            (foot + along * (t * size * slim) + (side * cos + up * sin) * thick, Vec2::new(0.9 * s, 0.9 - 0.8 * t))
+        })
+    }))
 }
 
 impl Set<'_> {
@@ -97,21 +119,36 @@ impl Set<'_> {
         let petals = if self.chance(0.3) { self.count(9, 20) } else { self.count(4, 8) };
         let rings = if double { self.count(2, 5) } else { 1 };
         let wide = 3.0 / petals as f32 * self.range(0.5, 1.2);
-        let open = self.range(-0.3, 0.9);
+        // Daisies and sunflowers are as good as flat, their middle is a disc.
+        let flat = self.chance(0.35);
+        let open = if flat { self.range(-0.2, 0.2) } else { self.range(-0.3, 0.9) };
+        let bend = if flat { self.range(-0.2, 0.3) } else { self.range(-0.6, 0.5) };
         let skin = Some(self.petal_skin());
-        let heart = [self.range(0.2, 0.9), self.range(0.1, 0.6), self.range(0.0, 0.2)];
-        let middle = self.range(0.03, 0.2);
+        let (middle, high) = if flat {
+            (self.range(0.08, 0.3), self.range(0.05, 0.35))
+        } else {
+            (self.range(0.03, 0.2), self.range(0.3, 1.2))
+        };
+        let bells = self.chance(0.2).then(|| (self.count(20, 60), self.range(0.8, 2.5)));
         Kind {
             petals,
             rings,
             petal: [wide.min(0.7), self.range(0.35, 0.75)],
-            rise: [open + self.range(0.0, 0.5), open + self.range(-0.6, 0.5)],
-            middle: [middle, middle * self.range(0.3, 1.2)],
-            stamens: if self.chance(0.4) { self.count(3, 14) } else { 0 },
+            rise: [open + if flat { 0.0 } else { self.range(0.0, 0.5) }, open + bend],
+            middle: [middle, middle * high],
+            stamens: if !flat && self.chance(0.4) { self.count(3, 14) } else { 0 },
+            bells,
             paint: Paint { tint: [1.0; 3], skin, metres: Vec2::ONE, gloss: 0.1 },
-            heart: Paint { tint: heart, skin: None, metres: Vec2::ONE, gloss: 0.05 },
+            heart: self.heart(),
             green: self.leaf_paint(),
         }
+    }
+
+    /// Yellow to brown, mostly of many small dots.
+    fn heart(&mut self) -> Paint {
+        let tint = [self.range(0.2, 0.9), self.range(0.1, 0.6), self.range(0.0, 0.2)];
+        let dots = if self.chance(0.7) { self.speckled(1.0).skin } else { None };
+        Paint { tint, skin: dots, metres: Vec2::splat(self.range(0.3, 1.0)), gloss: 0.05 }
     }
 
     /// A petal's colours from tip to foot, with veins.
@@ -143,20 +180,27 @@ impl Set<'_> {
         let thick = wide * self.range(0.015, 0.05);
         self.put(&tube(&points, [thick, thick * 0.8], 5), Affine3A::IDENTITY, &kind.green);
         let (rng, long) = (&mut self.rng, wide * 0.9);
-        let leaf = leaves(4, |i| {
+        let leaf = round_leaves(4, |i| {
             let way = (any_way(rng) + 0.4 * Vec3::Y) * long * rng.range(0.5, 1.2);
             (points[1 + i % 4], way, long * rng.range(0.2, 0.5))
         });
         self.put(&leaf, Affine3A::IDENTITY, &kind.green);
-        let up = (towards + 0.35 * any_way(&mut self.rng) + 0.2 * Vec3::Y).normalize_or(Vec3::Y);
+        let [before, end] = [points[points.len() - 2], points[points.len() - 1]];
+        // Bells stand about their stem, a blossom shows its face.
+        let towards =
+            if kind.bells.is_some() { end - before } else { towards + 0.35 * any_way(&mut self.rng) + 0.2 * Vec3::Y };
         let wide = wide * self.range(0.8, 1.15);
-        self.head(kind, points[points.len() - 1], wide, up, cells);
+        self.head(kind, end, wide, towards.normalize_or(Vec3::Y), cells);
     }
 
     /// Petals, the middle and stamens of a blossom that faces a direction.
     pub(super) fn head(&mut self, kind: &Kind, at: Vec3, wide: f32, facing: Vec3, cells: [usize; 2]) {
         let turned = Quat::from_rotation_arc(Vec3::Y, facing) * Quat::from_rotation_y(self.turn());
         let place = Affine3A::from_scale_rotation_translation(Vec3::splat(wide), turned, at);
+        if let Some(bells) = kind.bells {
+            let spike = spike(bells, cells[0], &mut self.rng);
+            return self.put(&spike, place, &kind.paint);
+        }
         let rng = &mut self.rng;
         self.world.add(&kind.petals(cells, &mut || rng.range(-1.0, 1.0)), place, Some(&kind.paint), true);
         let [radius, high] = kind.middle;
@@ -178,7 +222,7 @@ impl Set<'_> {
         let [low, deep] = [tall * self.range(0.1, 0.75), big * 14.0];
         let number = self.count(0, 260);
         let rng = &mut self.rng;
-        let carpet = leaves(number, |_| {
+        let carpet = round_leaves(number, |_| {
             // Few of them before the blossoms.
             let z = 0.4 * big - deep * rng.range(0.0, 1.0).powi(2);
             let at = Vec3::new(rng.range(-1.0, 1.0) * (2.0 * big - z), rng.range(0.0, low), z);

@@ -45,7 +45,7 @@ impl Set<'_> {
 }
 
 /// Two colours in spots, stripes, brindle, checks or patches.
-fn hide(rng: &mut Rng) -> Raster<[u8; 3]> {
+pub(super) fn hide(rng: &mut Rng) -> Raster<[u8; 3]> {
     let mut colour = || {
         let light = rng.range(15.0, 250.0);
         [1.0, rng.range(0.65, 1.0), rng.range(0.4, 1.0)].map(|share| light * share)

@@ -205,6 +205,7 @@ impl Set<'_> {
         let (deep, wide) = (self.range(0.22, 0.6), self.range(1.2, 4.5));
         let boards = self.count(2, 6);
         let (low, thick) = (self.range(0.05, 0.9), self.range(0.012, 0.05));
+        let books = if self.chance(0.25) { 0.9 } else { 0.3 };
         let step = ((high - 0.4 - low) / boards as f32).clamp(0.2, 0.6);
         for i in 0..=boards {
             let y = low + step * i as f32;
@@ -213,7 +214,7 @@ impl Set<'_> {
             while x < wide / 2.0 - 0.1 && i < boards {
                 let room = self.range(0.1, 0.6).min(wide / 2.0 - x);
                 let at = Vec3::new(x, y + thick, deep * self.range(0.4, 0.6));
-                if self.chance(0.3) {
+                if self.chance(books) {
                     self.row_of_books(at, room, step * 0.85, deep * 0.7);
                 } else if self.chance(0.8) {
                     let long = self.range(0.5, 0.9) * (step - thick).min(room).min(deep * 1.3);

@@ -14,6 +14,7 @@ pub mod light;
 pub mod mesh;
 mod near;
 mod outside;
+mod patterns;
 pub mod picture;
 mod pitfalls;
 mod set;
@@ -25,6 +26,8 @@ pub mod view;
 
 #[cfg(test)]
 mod tests;
+
+use std::collections::BTreeMap;
 
 use glam::{Vec2, Vec3};
 
@@ -83,6 +86,8 @@ pub struct Made {
 const MOST_BEYOND: f32 = 2.2;
 /// How often a scene that shows nothing is drawn anew.
 const TRIES: u64 = 8;
+/// So many things, walls and floors too, must be seen of a scene.
+const LEAST_SHOWN: usize = 4;
 /// Scenes in which the row number tells more than this are mostly drawn anew: photos teach that already.
 const TOLD_BY_ROW: f32 = 0.93;
 
@@ -99,7 +104,9 @@ pub fn make(order: &Order, seed: u64, index: u64) -> Made {
         let nears = Nears::of(&buffer, order.curve);
         attempt += 1;
         // The last try is taken as it is.
-        if attempt == TRIES || nears.is_worth(&mut rng, order, shot.kind) {
+        if attempt == TRIES
+            || nears.is_worth(&mut rng, order, shot.kind) && (is_told(&world, &buffer, shot.kind) || rng.chance(0.2))
+        {
             return draw(order, &world, &shot, &frame, buffer, &nears, rng);
         }
     }
@@ -148,6 +155,26 @@ fn nearest(world: &World, camera: &Camera, size: [usize; 2]) -> f32 {
     *depths.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
+/// Whether a picture tells its depth: it shows several things, and none of them fills it, as a wall right before the
+/// lens does. Bare tops and walls of patterns are meant to.
+fn is_told(world: &World, buffer: &Buffer, kind: &str) -> bool {
+    if [pitfalls::BARE_TOP, patterns::PATTERN, land::LANDSCAPE].contains(&kind) {
+        return true;
+    }
+    let [w, h] = buffer.size;
+    let mut shown = BTreeMap::new();
+    let mut places = 0;
+    for y in (0..h).step_by(h.div_ceil(24)) {
+        for x in (0..w).step_by(w.div_ceil(32)) {
+            let thing = world.parts.get(buffer.face[y * w + x] as usize).map(|part| part.thing);
+            *shown.entry(thing).or_insert(0) += 1;
+            places += 1;
+        }
+    }
+    let most = shown.values().copied().max().unwrap_or(0);
+    most * 4 < places * 3 && shown.values().filter(|&&count| count * 150 > places).count() >= LEAST_SHOWN
+}
+
 /// Nearness of the reference view's pixels.
 struct Nears {
     /// `[y, x]` of every pixel, the upper left sample's.
@@ -172,6 +199,12 @@ impl Nears {
 
     fn percentile(&self, share: f32) -> f32 {
         self.sorted[((self.sorted.len() - 1) as f32 * share) as usize]
+    }
+
+    /// That of a place about the middle of the picture.
+    fn somewhere(&self, rng: &mut Rng) -> f32 {
+        let [x, y] = self.map.size.map(|side| (side as f32 * rng.range(0.2, 0.8)) as usize);
+        self.map.at(x, y)
     }
 
     fn inverse(&self, near: f32) -> f32 {
@@ -255,7 +288,7 @@ fn draw(order: &Order, world: &World, shot: &Shot, frame: &Frame, first: Buffer,
         disparities.push(near.into_iter().map(|near| lens.disparity(near)).collect::<Vec<f32>>());
     }
     let mean = lights[0].px.iter().map(|t| t[1].min(4.0)).sum::<f32>() / lights[0].px.len() as f32;
-    let in_focus = [0.02, 0.98].map(|share| lens.disparity(nears.percentile(share)));
+    let in_focus = lens.disparity(nears.somewhere(&mut rng));
     let shutter = if order.noise { Shutter::random(&mut rng, mean, in_focus) } else { Shutter::plain(mean) };
     let pictures =
         lights.into_iter().zip(&disparities).map(|(light, map)| shutter.take(&mut rng, light, map)).collect();

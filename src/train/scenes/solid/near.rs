@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3};
 
 use super::set::Set;
-use super::shapes::{any_way, leaves, stem, tube};
+use super::shapes::{any_way, round_leaves, stem, tube};
 use super::shot::{Framing, Shot};
 
 /// The kinds of scenes that have nothing between near and far.
@@ -85,7 +85,7 @@ impl Set<'_> {
             self.put(&tube(&points, [thick, thick * 0.4], 5), Affine3A::IDENTITY, &wood);
             let (long, slim) = (half[0] * self.range(0.15, 0.7), self.range(0.2, 0.6));
             let rng = &mut self.rng;
-            let leaf = leaves(rng.below(14), |i| {
+            let leaf = round_leaves(rng.below(14), |i| {
                 let way = (any_way(rng) + 0.4 * down) * long * rng.range(0.5, 1.2);
                 (points[i % points.len()], way, long * slim)
             });

@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec2, Vec3};
 
 use super::mesh::Paint;
 use super::set::{Set, stand};
-use super::shapes::{cuboid, leaves, sheet, stem, together, tube};
+use super::shapes::{cuboid, round_leaves, sheet, stem, together, tube};
 use super::shot::{Framing, Shot};
 use super::view::Camera;
 
@@ -302,7 +302,7 @@ impl Set<'_> {
                 pieces.push(tube(&points, [thin, thin * 0.4], 5));
                 let (long, green) = (away * self.range(0.06, 0.2), self.leaf_paint());
                 let rng = &mut self.rng;
-                let leaf = leaves(points.len() * 6, |i| {
+                let leaf = round_leaves(points.len() * 6, |i| {
                     let way = super::shapes::any_way(rng) * long;
                     (points[i % points.len()], way, long * 0.45)
                 });

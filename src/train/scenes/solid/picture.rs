@@ -23,14 +23,14 @@ pub struct Shutter {
 const CURVE: usize = 1023;
 
 impl Shutter {
-    /// A shutter for a scene of this mean light; a disparity between the two of `in_focus` will be.
-    pub fn random(rng: &mut Rng, mean: f32, in_focus: [f32; 2]) -> Self {
+    /// A shutter for a scene of this mean light and the disparity that is in focus.
+    pub fn random(rng: &mut Rng, mean: f32, in_focus: f32) -> Self {
         let exposure = rng.range(0.16, 0.38) / mean.max(1e-4);
         let warm = rng.range(-0.12, 0.12).exp();
         let green = rng.range(-0.05, 0.05).exp();
-        let defocus = rng.chance(0.4).then(|| [rng.range(0.6, 3.2), rng.range(in_focus[0], in_focus[1])]);
+        let defocus = rng.chance(0.4).then(|| [rng.range(0.6, 3.2), in_focus]);
         let contrast = rng.range(-0.1, 0.45);
-        let blur_px = if rng.chance(0.5) { rng.range(0.0, 0.9) } else { 0.0 };
+        let blur_px = if rng.chance(0.35) { rng.range(0.0, 0.8) } else { 0.0 };
         let noise = if rng.chance(0.7) { [rng.range(0.0, 0.012), rng.range(0.0, 0.02)] } else { [0.0; 2] };
         let quality = rng.chance(0.4).then(|| 55 + rng.below(40) as u8);
         let tone = |i: usize| {
@@ -52,7 +52,7 @@ impl Shutter {
 
     /// A shutter without chance, noise and blur.
     pub fn plain(mean: f32) -> Self {
-        let mut shutter = Self::random(&mut Rng::new(0, 0), mean, [0.0; 2]);
+        let mut shutter = Self::random(&mut Rng::new(0, 0), mean, 0.0);
         shutter.gains = [0.25 / mean.max(1e-4); 3];
         Self { vignette: 0.0, blur_px: 0.0, defocus: None, noise: [0.0; 2], quality: None, ..shutter }
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 use super::mesh::{Mesh, Paint, World};
-use super::shapes::{any_way, cuboid, hanging, lathe, leaves, sheet, slab, stem, together, tube};
+use super::shapes::{any_way, cuboid, hanging, lathe, leaves, round_leaves, sheet, slab, stem, together, tube};
 use super::stock::{Prop, Stock};
 use super::texture::{Texture, to_linear};
 use crate::rng::Rng;
@@ -15,6 +15,9 @@ use crate::scenes::raster::Raster;
 
 /// Small things that stand about.
 pub const CLUTTER: [&str; 6] = ["tableware", "food", "tool", "toy", "plant", "other"];
+
+/// Textures that a plain colour may be taken from.
+const COLOURED: [&str; 8] = ["backdrop", "fabric", "floor", "grass", "other", "stone", "wall", "wood"];
 
 /// A scene in the making.
 pub struct Set<'a> {
@@ -61,9 +64,17 @@ impl<'a> Set<'a> {
         self.rng.below(4) as f32 * FRAC_PI_2 + self.rng.range(-0.08, 0.08)
     }
 
-    /// A colour: mostly a pixel of a photo, so that colours are those of the world; else anything.
+    /// A colour: mostly a pixel of a photo or else of a texture, so that colours are those of the world; else anything.
     pub fn colour(&mut self) -> [f32; 3] {
-        if self.photos.is_empty() || self.rng.chance(0.2) {
+        let anything = self.rng.chance(0.2);
+        if !anything && self.photos.is_empty() {
+            let stock = self.stock;
+            if let Some(cloth) = stock.cloth(&mut self.rng, &COLOURED) {
+                let [red, green, blue, _] = cloth.texture.light(self.rng.unit(), self.rng.unit(), 0.1);
+                return [red, green, blue];
+            }
+        }
+        if anything || self.photos.is_empty() {
             return [0; 3].map(|_: i32| to_linear(self.rng.range(0.05, 0.95)));
         }
         let photo = &self.photos[self.rng.below(self.photos.len())].rgb;
@@ -94,7 +105,7 @@ impl<'a> Set<'a> {
     }
 
     /// Two colours in spots: for folders without textures.
-    fn speckled(&mut self, metres: f32) -> Paint {
+    pub(super) fn speckled(&mut self, metres: f32) -> Paint {
         let [a, b] = [self.rng.range(60.0, 250.0), self.rng.range(60.0, 250.0)];
         let rng = &mut self.rng;
         let mut spots = Raster::from_fn([32, 32], |_, _| [rng.unit()]);
@@ -418,7 +429,7 @@ impl<'a> Set<'a> {
         let (long, slim) = (tall * self.range(0.1, 0.4), self.range(0.15, 0.7));
         let number = feet.len() * self.count(1, 4);
         let rng = &mut self.rng;
-        let leaf = leaves(number, |i| {
+        let leaf = round_leaves(number, |i| {
             let way = (any_way(rng) + Vec3::Y * 0.4) * long * rng.range(0.6, 1.2);
             (feet[i % feet.len()], way, long * slim)
         });

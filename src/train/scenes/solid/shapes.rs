@@ -110,25 +110,41 @@ pub fn any_way(rng: &mut Rng) -> Vec3 {
 }
 
 /// Leaves, each a bent kite of four faces, drawn one after the other by `place`: foot, way to the tip, and width.
-pub fn leaves(count: usize, mut place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
-    let (mut corners, mut faces) = (Vec::with_capacity(5 * count), Vec::with_capacity(4 * count));
+pub fn leaves(count: usize, place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
+    outlined(&[[0.45, 1.0]], count, place)
+}
+
+/// The same, round and arched, to be seen from near.
+pub fn round_leaves(count: usize, place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
+    outlined(&[[0.2, 0.72], [0.48, 1.0], [0.78, 0.66]], count, place)
+}
+
+/// Leaves that are as wide as told at shares of their length.
+fn outlined(rows: &[[f32; 2]], count: usize, mut place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
+    let (n, mut corners, mut faces) = (rows.len() as u32, Vec::new(), Vec::new());
     for i in 0..count {
         let (foot, way, width) = place(i);
         let side = way.cross(Vec3::Y).normalize_or(Vec3::X) * width / 2.0;
         let fold = way.cross(side).normalize_or(Vec3::Y) * width * 0.15;
-        let first = corners.len() as u32;
-        let middle = foot + way * 0.45;
-        let long = way.length();
-        for (at, u, v) in [
-            (foot, 0.5, 1.0),
-            (middle - side + fold, 0.0, 0.55),
-            (middle, 0.5, 0.55),
-            (middle + side + fold, 1.0, 0.55),
-            (foot + way, 0.5, 0.0),
-        ] {
-            corners.push((at, Vec2::new(u * width, v * long)));
+        let (first, long) = (corners.len() as u32, way.length());
+        corners.push((foot, Vec2::new(0.5 * width, long)));
+        for &[t, wide] in rows {
+            let arch = Vec3::Y * if n > 1 { 0.25 * t * (1.0 - t) * long } else { 0.0 };
+            for (k, u) in [(-1.0, 0.0), (0.0, 0.5), (1.0, 1.0f32)] {
+                let across = side * k * wide + fold * k.abs() * wide;
+                let v = Vec2::new((0.5 + (u - 0.5) * wide) * width, (1.0 - t) * long);
+                corners.push((foot + way * t + arch + across, v));
+            }
         }
-        faces.extend([[0, 1, 2], [0, 2, 3], [1, 4, 2], [2, 4, 3]].map(|f: [u32; 3]| f.map(|k| k + first)));
+        corners.push((foot + way, Vec2::new(0.5 * width, 0.0)));
+        let tip = 3 * n + 1;
+        let mut add = |more: &[[u32; 3]]| faces.extend(more.iter().map(|face| face.map(|k| k + first)));
+        add(&[[0, 1, 2], [0, 2, 3]]);
+        for row in 0..n - 1 {
+            let [a, b] = [3 * row + 1, 3 * row + 4];
+            add(&[[a, b, b + 1], [a, b + 1, a + 1], [a + 1, b + 1, b + 2], [a + 1, b + 2, a + 2]]);
+        }
+        add(&[[tip - 3, tip, tip - 2], [tip - 2, tip, tip - 1]]);
     }
     Mesh::plain(corners, faces)
 }

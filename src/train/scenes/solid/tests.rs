@@ -123,7 +123,10 @@ fn pitfalls_are_drawn_where_they_are_asked_for_and_nowhere_else() {
     let mut kinds: Vec<&str> = (0..60).map(|index| make(&all(1.0), 3, index).kind).collect();
     kinds.sort_unstable();
     kinds.dedup();
-    assert_eq!(kinds, ["bare top", "bright", "clouds", "flowers", "hanging", "landscape", "ledge", "portrait"]);
+    assert_eq!(
+        kinds,
+        ["bare top", "bright", "clouds", "flowers", "hanging", "landscape", "ledge", "pattern", "portrait"]
+    );
     assert!((0..40).all(|index| !kinds.contains(&make(&all(0.0), 3, index).kind)));
     let [a, b] = [0, 1].map(|_| make(&all(1.0), 3, 7));
     assert!(a.pictures == b.pictures && a.disparities == b.disparities);
@@ -140,4 +143,25 @@ fn a_bare_top_is_lit_unevenly_whichever_way_it_runs() {
         .collect();
     let (with, against) = (told.iter().filter(|r| **r > 0.2).count(), told.iter().filter(|r| **r < -0.2).count());
     assert!(with > told.len() / 8 && against > told.len() / 8, "{with} and {against} of {}", told.len());
+}
+
+#[test]
+fn a_wall_that_fills_the_picture_tells_nothing() {
+    let size = [64, 48];
+    let camera = Camera::new(Vec3::ZERO, [0.0; 3], 60.0, size);
+    let paint = Paint { tint: [0.5; 3], skin: None, metres: Vec2::ONE, gloss: 0.0 };
+    let told = |corners: &[[f32; 2]], kind| {
+        let mut world = World::default();
+        for &[x, y] in corners {
+            let plate = shapes::slab(Vec3::new(x, y, -2.0), Vec3::X * 2.0, Vec3::Y * 2.0, [1, 1]);
+            world.add(&plate, Affine3A::IDENTITY, Some(&paint), true);
+        }
+        let frame = Frame::new(&mut world, &camera, size, Curve::Camera);
+        let mut buffer = Buffer::default();
+        frame.draw(&world, Lens { scale_px: 1.0, focus: 0.0 }, Vec2::ZERO, &mut buffer);
+        is_told(&world, &buffer, kind)
+    };
+    assert!(!told(&[[-1.0, -1.0]], "room") && told(&[[-1.0, -1.0]], patterns::PATTERN));
+    let quarters = [[-2.0, -2.0], [0.0, -2.0], [-2.0, 0.0], [0.0, 0.0]];
+    assert!(told(&quarters, "room") && !told(&quarters[..2], "room"));
 }
