@@ -66,19 +66,18 @@ impl<'a> Set<'a> {
 
     /// A colour: mostly a pixel of a photo or else of a texture, so that colours are those of the world; else anything.
     pub fn colour(&mut self) -> [f32; 3] {
-        let anything = self.rng.chance(0.2);
-        if !anything && self.photos.is_empty() {
-            let stock = self.stock;
+        let (stock, photos) = (self.stock, self.photos);
+        if !self.rng.chance(0.2) {
+            if !photos.is_empty() {
+                let photo = &photos[self.rng.below(photos.len())].rgb;
+                return photo.px[self.rng.below(photo.px.len())].map(|c| to_linear(f32::from(c) / 255.0));
+            }
             if let Some(cloth) = stock.cloth(&mut self.rng, &COLOURED) {
                 let [red, green, blue, _] = cloth.texture.light(self.rng.unit(), self.rng.unit(), 0.1);
                 return [red, green, blue];
             }
         }
-        if anything || self.photos.is_empty() {
-            return [0; 3].map(|_: i32| to_linear(self.rng.range(0.05, 0.95)));
-        }
-        let photo = &self.photos[self.rng.below(self.photos.len())].rgb;
-        photo.px[self.rng.below(photo.px.len())].map(|c| to_linear(f32::from(c) / 255.0))
+        [0; 3].map(|_: i32| to_linear(self.rng.range(0.05, 0.95)))
     }
 
     /// One colour.
@@ -104,7 +103,7 @@ impl<'a> Set<'a> {
         }
     }
 
-    /// Two colours in spots: for folders without textures.
+    /// Two colours in spots: for folders without textures, and hearts of flowers.
     pub(super) fn speckled(&mut self, metres: f32) -> Paint {
         let [a, b] = [self.rng.range(60.0, 250.0), self.rng.range(60.0, 250.0)];
         let rng = &mut self.rng;
