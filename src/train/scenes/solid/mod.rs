@@ -163,14 +163,13 @@ fn is_told(world: &World, buffer: &Buffer, kind: &str) -> bool {
     }
     let [w, h] = buffer.size;
     let mut shown = BTreeMap::new();
-    let mut places = 0;
     for y in (0..h).step_by(h.div_ceil(24)) {
         for x in (0..w).step_by(w.div_ceil(32)) {
             let thing = world.parts.get(buffer.face[y * w + x] as usize).map(|part| part.thing);
             *shown.entry(thing).or_insert(0) += 1;
-            places += 1;
         }
     }
+    let places: usize = shown.values().sum();
     let most = shown.values().copied().max().unwrap_or(0);
     most * 4 < places * 3 && shown.values().filter(|&&count| count * 150 > places).count() >= LEAST_SHOWN
 }

@@ -27,8 +27,8 @@ impl Set<'_> {
         self.wall(place, wide, high, &wall);
         if self.chance(0.35) {
             // A second wall, at the end of the first.
-            let side = if self.chance(0.5) { -0.5 } else { 0.5 };
-            let end = place * stand(Vec3::new(side * wide, 0.0, 0.5 * wide), -2.0 * side * FRAC_PI_2, 1.0);
+            let side = if self.chance(0.5) { -1.0 } else { 1.0 };
+            let end = place * stand(Vec3::new(0.5 * side * wide, 0.0, 0.5 * wide), -side * FRAC_PI_2, 1.0);
             let paint = if self.chance(0.5) { wall } else { self.bold(1.5) };
             self.wall(end, wide, high, &paint);
         }

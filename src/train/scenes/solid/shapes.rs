@@ -111,16 +111,16 @@ pub fn any_way(rng: &mut Rng) -> Vec3 {
 
 /// Leaves, each a bent kite of four faces, drawn one after the other by `place`: foot, way to the tip, and width.
 pub fn leaves(count: usize, place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
-    outlined(&[[0.45, 1.0]], count, place)
+    outlined(&[[0.45, 1.0]], 0.0, count, place)
 }
 
 /// The same, round and arched, to be seen from near.
 pub fn round_leaves(count: usize, place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
-    outlined(&[[0.2, 0.72], [0.48, 1.0], [0.78, 0.66]], count, place)
+    outlined(&[[0.2, 0.72], [0.48, 1.0], [0.78, 0.66]], 0.25, count, place)
 }
 
-/// Leaves that are as wide as told at shares of their length.
-fn outlined(rows: &[[f32; 2]], count: usize, mut place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
+/// Leaves that are as wide as told at shares of their length, and arched by a share of it.
+fn outlined(rows: &[[f32; 2]], arch: f32, count: usize, mut place: impl FnMut(usize) -> (Vec3, Vec3, f32)) -> Mesh {
     let (n, mut corners, mut faces) = (rows.len() as u32, Vec::new(), Vec::new());
     for i in 0..count {
         let (foot, way, width) = place(i);
@@ -129,11 +129,11 @@ fn outlined(rows: &[[f32; 2]], count: usize, mut place: impl FnMut(usize) -> (Ve
         let (first, long) = (corners.len() as u32, way.length());
         corners.push((foot, Vec2::new(0.5 * width, long)));
         for &[t, wide] in rows {
-            let arch = Vec3::Y * if n > 1 { 0.25 * t * (1.0 - t) * long } else { 0.0 };
-            for (k, u) in [(-1.0, 0.0), (0.0, 0.5), (1.0, 1.0f32)] {
+            let middle = foot + way * t + Vec3::Y * (arch * t * (1.0 - t) * long);
+            for k in [-1.0, 0.0, 1.0f32] {
                 let across = side * k * wide + fold * k.abs() * wide;
-                let v = Vec2::new((0.5 + (u - 0.5) * wide) * width, (1.0 - t) * long);
-                corners.push((foot + way * t + arch + across, v));
+                let uv = Vec2::new((0.5 + 0.5 * k * wide) * width, (1.0 - t) * long);
+                corners.push((middle + across, uv));
             }
         }
         corners.push((foot + way, Vec2::new(0.5 * width, 0.0)));
