@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use tract_onnx::tract_core::internal::*;
-use tract_onnx::tract_core::ops::array::{Pad, PadMode};
+use tract_onnx::tract_core::ops::array::{MultiBroadcastTo, Pad, PadMode};
 use tract_onnx::tract_core::ops::binary::TypedBinOp;
 use tract_onnx::tract_core::ops::cnn::{Conv, KernelFormat, PaddingSpec};
 use tract_onnx::tract_core::ops::element_wise::ElementWiseOp;
@@ -38,7 +38,7 @@ fn rule(
     }
     let constant = |slot: usize| model.outlet_fact(node.inputs[slot]).map(|fact| fact.konst.clone());
     let (Some(weights), Some(bias)) = (constant(1)?, constant(2)?) else { return Ok(None) };
-    let channels @ [channels_in, channels_out] = [conv.input_channels(), conv.output_channels()];
+    let [channels_in, channels_out] = [conv.input_channels(), conv.output_channels()];
     let weights = weights.try_as_plain_ram()?.as_slice::<f32>()?.to_vec();
     let mut bias = bias.try_as_plain_ram()?.as_slice::<f32>()?.to_vec();
     if bias.len() == 1 {
@@ -48,14 +48,27 @@ fn rule(
         return Ok(None);
     }
     let (activation, last) = activation(model, node)?;
-    let weights = Arc::new(Packed::of(&weights, channels_out, channels_in, kernel));
-    let (isa, bias, before, limits) = (*isa, bias.into(), Limits::NONE, Limits::NONE);
+    let shape = model.outlet_fact(last)?.shape.clone();
+    // A depth net that has learned one map for all views says it once.
+    let results = if are_alike(&weights, &bias) { 1 } else { channels_out };
+    let (channels, row) = ([channels_in, results], channels_in * kernel.taps());
+    let weights = Arc::new(Packed::of(&weights[..results * row], results, channels_in, kernel));
+    let (isa, bias, before, limits) = (*isa, bias[..results].into(), Limits::NONE, Limits::NONE);
     let op = DirectConv { isa, kernel, dilation, padding, activation, channels, weights, bias, before, limits };
     let mut patch = TypedModelPatch::default();
     let tap = patch.tap_model(model, input)?;
-    let output = patch.wire_node(format!("{name}.direct"), op, &[tap])?;
+    let mut output = patch.wire_node(format!("{name}.direct"), op, &[tap])?;
+    if results < channels_out {
+        output = patch.wire_node(format!("{name}.alike"), MultiBroadcastTo { shape }, &output)?;
+    }
     patch.shunt_outside(model, last, output[0])?;
     Ok(Some(patch))
+}
+
+/// Whether all results have the same weights and the same bias.
+fn are_alike(weights: &[f32], bias: &[f32]) -> bool {
+    let row = weights.len() / bias.len().max(1);
+    weights.chunks_exact(row.max(1)).all(|other| other == &weights[..row]) && bias.iter().all(|other| *other == bias[0])
 }
 
 /// The kernel and its dilation, if the direct convolution has it.

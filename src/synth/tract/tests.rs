@@ -87,7 +87,7 @@ fn text(name: &str, value: &str) -> AttributeProto {
 }
 
 /// A net that is written down node by node.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Net {
     nodes: Vec<NodeProto>,
     tensors: Vec<TensorProto>,
@@ -162,7 +162,7 @@ fn assert_paths_agree(net: &[u8], shape: &[usize], direct: usize) {
         (net.direct_convolutions(), answer)
     };
     let (_, stock) = run(Path::Stock, true);
-    for path in [Path::Avx512, Path::Avx2, Path::Portable] {
+    for path in [Path::Auto, Path::Avx512, Path::Avx2, Path::Portable] {
         for (exact, most) in [(true, 1e-5), (false, 5e-5)] {
             let (count, answer) = run(path, exact);
             assert_eq!(count, direct, "{path:?}: convolutions that were replaced");
@@ -210,6 +210,27 @@ fn layers_of_many_channels_become_a_chain() {
         let nodes = |exact| ready(exact).plan.model().nodes().len();
         assert!(nodes(false) < nodes(true), "nothing was fused");
         assert_eq!(ready(false).flop(), ready(true).flop());
+    }
+}
+
+#[test]
+fn results_that_are_alike_are_computed_once() {
+    let net = Net::new(16, 2).pad("edge", &[1, 1]).conv(16, 1, 0, true).then("Elu", &[], vec![]);
+    let mut net = net.pad("edge", &[1, 1]).conv(6, 1, 0, true).then("Tanh", &[], vec![]);
+    let last = net.tensors.len() - 2;
+    for tensor in &mut net.tensors[last..] {
+        let row = tensor.raw_data.len() / 6;
+        tensor.raw_data = tensor.raw_data[..row].repeat(6);
+    }
+    let mut other = net.clone();
+    let bias = other.tensors.last_mut().unwrap();
+    bias.raw_data[20..].copy_from_slice(&0.25_f32.to_le_bytes());
+    for (net, results) in [(net.finish(16), 1), (other.finish(16), 6)] {
+        let shape = [1, 16, 12, 19];
+        assert_paths_agree(&net, &shape, 2);
+        let ready = prepare(&net, &shape, &Options { exact: true, ..Options::default() }).unwrap();
+        let layers = ready.plan.model().nodes().iter().filter_map(|node| node.op_as::<op::DirectConv>());
+        assert_eq!(layers.map(|layer| layer.channels[1]).collect::<Vec<_>>(), [16, results]);
     }
 }
 
