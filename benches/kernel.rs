@@ -4,7 +4,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use plenoscope::kernel::winograd::{Layer, PlaneChain, VolumeChain};
-use plenoscope::kernel::{Activation, Conv, ConvShape, Isa, Kernel, Padding};
+use plenoscope::kernel::{Activation, Conv, ConvShape, Halves, Isa, Kernel, Padding};
 
 fn main() {
     divan::main();
@@ -57,6 +57,18 @@ fn avx2(bencher: Bencher, layer: usize) {
 /// One layer by Winograd's algorithm, where it pays.
 #[divan::bench(args = 1..LAYERS.len(), sample_count = 10)]
 fn winograd(bencher: Bencher, layer: usize) {
+    chain(bencher, layer, None);
+}
+
+/// One layer by split products, where the processor has tiles.
+#[divan::bench(args = [1, 2, 3, 4, 8], sample_count = 10)]
+fn split(bencher: Bencher, layer: usize) {
+    if let Some(halves) = Halves::best() {
+        chain(bencher, layer, Some(halves));
+    }
+}
+
+fn chain(bencher: Bencher, layer: usize, halves: Option<Halves>) {
     let shape = shape(layer);
     let channels = [shape.channels_in, shape.channels_out];
     let (weights, bias, x) = (numbers(shape.weights_len()), numbers(channels[1]), numbers(shape.input_len()));
@@ -69,7 +81,7 @@ fn winograd(bencher: Bencher, layer: usize) {
         let chain = VolumeChain::new(&[layer], Isa::best());
         bencher.bench_local(|| chain.run_slice(&x, [views, height, width], &mut out, None));
     } else if PlaneChain::pays_alone(channels) {
-        let chain = PlaneChain::new(&[layer], Isa::best());
+        let chain = PlaneChain::new(&[layer], Isa::best(), halves);
         bencher.bench_local(|| chain.run(&x, [height, width], &mut out, None));
     }
 }

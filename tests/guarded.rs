@@ -20,7 +20,7 @@ use plenoscope::kernel::product::{
 };
 use plenoscope::kernel::resize::{Taps, resize};
 use plenoscope::kernel::winograd::{Layer, PlaneChain};
-use plenoscope::kernel::{Activation, Conv, ConvShape, Ending, Isa, Kernel, Limits, Padding, token};
+use plenoscope::kernel::{Activation, Conv, ConvShape, Ending, Halves, Isa, Kernel, Limits, Padding, token};
 
 #[global_allocator]
 static GUARDED: guard::Guarded = guard::Guarded;
@@ -218,10 +218,12 @@ fn direct_and_winograd_convolutions_stay_inside_their_memory() {
             activation: Activation::None,
             is_residual: channels[0] == channels[1],
         };
-        alike(&format!("Winograd's, {channels:?} {size:?}"), |isa| {
-            let chain = PlaneChain::new(&[layer], isa);
-            written(channels[1] * size[0] * size[1], |out| chain.run(&x, size, out, None))
-        });
+        for halves in [None, Some(Halves::portable()), Halves::best()] {
+            alike(&format!("a chain, {halves:?} {channels:?} {size:?}"), |isa| {
+                let chain = PlaneChain::new(&[layer], isa, halves);
+                written(channels[1] * size[0] * size[1], |out| chain.run(&x, size, out, None))
+            });
+        }
     }
 }
 

@@ -150,7 +150,8 @@ pub fn run(models: &ModelSource, options: &Options, job: &Job) -> Result<Report,
     }
     let peak_gflops = median(peaks.into_iter());
     let sizes = runners.iter().map(|runner| runner.report(peak_gflops)).collect();
-    Ok(Report { machine: format!("{}, {isa}, {threads} threads", processor()), sizes })
+    let tiles = if options.path.halves().is_some() { " and tiles" } else { "" };
+    Ok(Report { machine: format!("{}, {isa}{tiles}, {threads} threads", processor()), sizes })
 }
 
 /// Runs the nets once at a size: for a process whose peak memory is then asked for.

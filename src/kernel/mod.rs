@@ -41,7 +41,8 @@
 //! differ from the direct ones in the fifth digit or later.
 //!
 //! [`Halves`] is the proof that the processor multiplies 16-bit numbers in tiles (AMX). A training step of planes that is told
-//! to ([`Conv::in_halves`]) takes its products from there; inference never does.
+//! to ([`Conv::in_halves`]) rounds its numbers to them; a chain of planes in inference splits each number into two (`split`),
+//! which keeps as many digits as Winograd's algorithm.
 //!
 //! [`blocks::LargeBlocks`] is an allocator that spares the page faults of large activations; binaries install it.
 //!
@@ -66,6 +67,7 @@ mod portable;
 pub mod product;
 pub mod resize;
 mod shape;
+mod split;
 mod step;
 pub mod team;
 mod tile;

@@ -126,7 +126,7 @@ macro_rules! entry_points {
     ($vector:ty $(, $features:literal)?) => {
         use $crate::kernel::winograd::batch::{pixels, products, tiles, weights};
         use $crate::kernel::winograd::{plane_tile, volume_tile};
-        use $crate::kernel::{ending, halves, norm, peak, product, resize, tile, token, weight_tile};
+        use $crate::kernel::{ending, halves, norm, peak, product, resize, split, tile, token, weight_tile};
 
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn convolve_tile(tile: &tile::Tile) {
@@ -173,6 +173,17 @@ macro_rules! entry_points {
         $(#[target_feature(enable = $features)])?
         pub(in crate::kernel) unsafe fn split_pairs(from: &[f32], to: &mut [f32]) {
             product::depthwise::split_pairs(from, to);
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn split_row(row: &mut split::Row) {
+            split::split(row);
+        }
+
+        $(#[target_feature(enable = $features)])?
+        pub(in crate::kernel) unsafe fn finish_split(finish: &split::Finish) {
+            // SAFETY: the caller's word.
+            unsafe { split::finish::<$vector>(finish) }
         }
 
         $(#[target_feature(enable = $features)])?

@@ -2,7 +2,8 @@
 //!
 //! A processor with tiles (Intel's AMX) multiplies them some twenty times as fast as f32. bfloat16 keeps the range of
 //! f32 and 8 of its 24 bits, which is what mixed-precision training computes with (Kalamkar et al. 2019, "A Study of
-//! BFLOAT16 for Deep Learning Training"): weights, sums, normalisation and optimiser stay f32. Inference never does.
+//! BFLOAT16 for Deep Learning Training"): weights, sums, normalisation and optimiser stay f32. Inference never rounds so
+//! ([`split`](super::split)).
 //!
 //! With x the padded input, w the weights and g the gradient of the result, the matrices of each tap are
 //! ```text
@@ -21,7 +22,9 @@ mod tiles;
 
 use rayon::prelude::*;
 
+pub(super) use planes::rounded;
 pub use tiles::Halves;
+pub(super) use tiles::{Means, Tiles};
 
 use self::planes::{Pairs, Weights};
 use self::product::Step;
@@ -31,7 +34,7 @@ use super::padded::SendPtr;
 use super::shape::{ConvShape, Kernel};
 
 /// Rows and columns of a tile of sums, and pairs of a row.
-const TILE: usize = 16;
+pub(super) const TILE: usize = 16;
 /// Columns that are multiplied at a time: two tiles.
 const ACROSS: usize = 2 * TILE;
 /// Of the kernel.

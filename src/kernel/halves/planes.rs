@@ -10,7 +10,7 @@ use crate::kernel::shape::{ConvShape, Padding};
 
 /// bfloat16, the nearest, in the low half.
 #[inline(always)]
-fn rounded(value: f32) -> u32 {
+pub(in crate::kernel) fn rounded(value: f32) -> u32 {
     let bits = value.to_bits();
     bits.wrapping_add(0x7fff + (bits >> 16 & 1)) >> 16
 }

@@ -5,11 +5,11 @@ use std::marker::PhantomData;
 
 /// That 16-bit numbers can be multiplied in tiles: a value of this type is the proof.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub struct Halves(pub(super) Means);
+pub struct Halves(Means);
 
 /// What multiplies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Means {
+pub(in crate::kernel) enum Means {
     /// Plain Rust: slow, to compare with.
     Portable,
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
@@ -32,7 +32,7 @@ impl Halves {
     }
 
     /// Tiles for products whose rows hold `depth` pairs, at most 16, on this thread until they are dropped.
-    pub(super) fn tiles(self, depth: usize) -> Tiles {
+    pub(in crate::kernel) fn tiles(self, depth: usize) -> Tiles {
         debug_assert!((1..=super::TILE).contains(&depth), "{depth} pairs");
         #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
         if self.0 == Means::Amx {
@@ -49,9 +49,9 @@ impl fmt::Debug for Halves {
 }
 
 /// Tiles that this thread may use.
-pub(super) struct Tiles {
-    pub(super) means: Means,
-    pub(super) depth: usize,
+pub(in crate::kernel) struct Tiles {
+    pub(in crate::kernel) means: Means,
+    pub(in crate::kernel) depth: usize,
     /// They are registers of one thread.
     here: PhantomData<*const ()>,
 }

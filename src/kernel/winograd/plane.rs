@@ -9,9 +9,11 @@ use super::plane_tile::{COMPONENTS, GROUP, TILES, TOGETHER, Tiles, scratch_len};
 use super::transform::{POINTS, of_weights};
 use super::{Layer, plane_components};
 use crate::job::Cancelled;
+use crate::kernel::Halves;
 use crate::kernel::ending::{Ending, Limits};
 use crate::kernel::isa::{Isa, on_isa};
 use crate::kernel::shape::Padding;
+use crate::kernel::split;
 use crate::kernel::team;
 use crate::kernel::tile::Activation;
 
@@ -28,19 +30,29 @@ thread_local! {
 pub struct PlaneChain {
     isa: Isa,
     layers: Vec<Ready>,
+    /// Weights as halves.
+    store: split::Store,
 }
 
-/// A layer with transformed weights.
+/// A layer whose weights are ready.
 #[derive(Clone, Debug, PartialEq)]
 struct Ready {
-    /// `[component][c_out / 16][c_in][16]`
-    weights: Vec<f32>,
+    weights: Weights,
     bias: Vec<f32>,
     channels: [usize; 2],
     dilation: usize,
     padding: Padding,
     activation: Activation,
     is_residual: bool,
+}
+
+/// What a layer is multiplied with.
+#[derive(Clone, Debug, PartialEq)]
+enum Weights {
+    /// Transformed, `[component][c_out / 16][c_in][16]`.
+    Transformed(Vec<f32>),
+    /// As halves in the chain's store, for tiles.
+    Split(Halves, split::Weights),
 }
 
 impl PlaneChain {
@@ -54,10 +66,13 @@ impl PlaneChain {
         Self::takes(channels) && channels[0] * channels[1] >= LEAST_ALONE
     }
 
-    /// Transforms the weights of `layers`, all of which it [takes](Self::takes); each reads the channels that the one
-    /// before it makes.
-    pub fn new(layers: &[Layer], isa: Isa) -> Self {
-        Self { isa, layers: layers.iter().map(Ready::new).collect() }
+    /// Makes the weights of `layers` ready, all of which it [takes](Self::takes); each reads the channels that the one
+    /// before it makes. With `halves` all products are split ones, and no layer is Winograd's.
+    pub fn new(layers: &[Layer], isa: Isa, halves: Option<Halves>) -> Self {
+        let mut store = split::Store::new();
+        let layers = layers.iter().map(|layer| Ready::new(layer, halves, &mut store)).collect();
+        store.shrink_to_fit();
+        Self { isa, layers, store }
     }
 
     /// Channels of the result.
@@ -98,7 +113,7 @@ impl PlaneChain {
         for layer in &self.layers {
             let len = pixels * layer.channels[1];
             let mut next = Vec::with_capacity(len);
-            layer.run(self.isa, &values, size, &mut next.spare_capacity_mut()[..len], cancel)?;
+            layer.run(self, &values, size, &mut next.spare_capacity_mut()[..len], cancel)?;
             // SAFETY: the tiles cover every pixel, and all channels of it.
             unsafe { next.set_len(len) };
             values = next;
@@ -109,25 +124,20 @@ impl PlaneChain {
 }
 
 impl Ready {
-    fn new(layer: &Layer) -> Self {
+    fn new(layer: &Layer, halves: Option<Halves>, store: &mut split::Store) -> Self {
         let Layer { channels, dilation, padding, activation, is_residual, .. } = *layer;
-        let [c_in, c_out] = channels;
-        assert_eq!(layer.weights.len(), c_in * c_out * 9, "number of weights");
-        assert!(!is_residual || c_in == c_out, "a sum of {c_in} and {c_out} channels");
-        let mut weights = vec![0.0; COMPONENTS * c_in * c_out];
-        for (i, taps) in layer.weights.chunks_exact(9).enumerate() {
-            let (o, c) = (i / c_in, i % c_in);
-            let at = (o / GROUP * c_in + c) * GROUP + o % GROUP;
-            for (component, weight) in transformed(taps).into_iter().enumerate() {
-                weights[component * c_in * c_out + at] = weight;
-            }
-        }
+        assert_eq!(layer.weights.len(), channels[0] * channels[1] * 9, "number of weights");
+        assert!(!is_residual || channels[0] == channels[1], "a sum of {channels:?} channels");
+        let weights = match halves {
+            Some(halves) => Weights::Split(halves, split::Weights::new(store, layer.weights, channels)),
+            None => Weights::Transformed(transform(layer.weights, channels)),
+        };
         Self { weights, bias: layer.bias.to_vec(), channels, dilation, padding, activation, is_residual }
     }
 
     fn run(
         &self,
-        isa: Isa,
+        chain: &PlaneChain,
         x: &[f32],
         size: [usize; 2],
         out: &mut [MaybeUninit<f32>],
@@ -135,9 +145,36 @@ impl Ready {
     ) -> Result<(), Cancelled> {
         let pixels = size[0] * size[1];
         assert_eq!([x.len(), out.len()], self.channels.map(|c| c * pixels), "lengths of input and result");
-        let zeros = vec![0.0; if self.padding == Padding::Zero { self.channels[0] } else { 0 }];
-        let origins = origins(size, self.dilation);
-        let Self { channels, dilation, activation, is_residual, .. } = *self;
+        match &self.weights {
+            Weights::Transformed(weights) => self.transformed(chain.isa, weights, (x, size), out, cancel),
+            Weights::Split(halves, weights) => self.split(chain, *halves, weights, (x, size)).run(out, cancel),
+        }
+    }
+
+    /// The layer by split products.
+    fn split<'a>(
+        &'a self,
+        &PlaneChain { isa, ref store, .. }: &'a PlaneChain,
+        halves: Halves,
+        weights: &'a split::Weights,
+        (x, size): (&'a [f32], [usize; 2]),
+    ) -> split::Layer<'a> {
+        let Self { ref bias, dilation, padding, activation, is_residual, .. } = *self;
+        split::Layer { isa, halves, x, size, store, weights, bias, dilation, padding, activation, is_residual }
+    }
+
+    /// Computes the layer by Winograd's algorithm.
+    fn transformed(
+        &self,
+        isa: Isa,
+        weights: &[f32],
+        (x, size): (&[f32], [usize; 2]),
+        out: &mut [MaybeUninit<f32>],
+        cancel: Option<&AtomicBool>,
+    ) -> Result<(), Cancelled> {
+        let Self { channels, dilation, padding, activation, is_residual, ref bias, .. } = *self;
+        let zeros = vec![0.0; if padding == Padding::Zero { channels[0] } else { 0 }];
+        let origins = origins(size, dilation);
         let tiles = &Tiles {
             x: x.as_ptr(),
             out: out.as_mut_ptr().cast(),
@@ -145,8 +182,8 @@ impl Ready {
             channels,
             dilation,
             outside: if zeros.is_empty() { std::ptr::null() } else { zeros.as_ptr() },
-            weights: &self.weights,
-            bias: &self.bias,
+            weights,
+            bias,
             activation,
             is_residual,
             origins: &origins,
@@ -171,6 +208,19 @@ impl Ready {
         });
         if stopped() { Err(Cancelled) } else { Ok(()) }
     }
+}
+
+/// Transformed weights `[component][c_out / 16][c_in][16]`.
+fn transform(weights: &[f32], [c_in, c_out]: [usize; 2]) -> Vec<f32> {
+    let mut all = vec![0.0; COMPONENTS * c_in * c_out];
+    for (i, taps) in weights.chunks_exact(9).enumerate() {
+        let (o, c) = (i / c_in, i % c_in);
+        let at = (o / GROUP * c_in + c) * GROUP + o % GROUP;
+        for (component, weight) in transformed(taps).into_iter().enumerate() {
+            all[component * c_in * c_out + at] = weight;
+        }
+    }
+    all
 }
 
 /// Nine taps, transformed along both axes.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::*;
 use crate::job::Cancelled;
-use crate::kernel::{Conv, ConvShape, Ending, Isa, Kernel, Limits, numbers};
+use crate::kernel::{Conv, ConvShape, Ending, Halves, Isa, Kernel, Limits, numbers};
 
 /// One layer's numbers.
 struct Numbers {
@@ -81,6 +81,12 @@ fn assert_near(got: &[f32], want: &[f32], most: f32, what: &str) {
     }
 }
 
+/// All that computes planes here: vectors alone, and tiles beside them.
+fn means() -> impl Iterator<Item = (Isa, Option<Halves>)> {
+    let halves = [Some(Halves::portable()), Halves::best()].into_iter().flatten();
+    Isa::all().map(|isa| (isa, None)).chain(halves.map(|halves| (Isa::best(), Some(halves))))
+}
+
 #[test]
 fn planes_agree_with_the_direct_convolution() {
     for padding in [Padding::Edge, Padding::Zero] {
@@ -88,10 +94,10 @@ fn planes_agree_with_the_direct_convolution() {
         for [height, width] in [[1, 1], [3, 2], [17, 53], [33, 30]] {
             let x = numbers(9, 16 * height * width);
             let want = net.direct(Isa::best(), &x, [1, height, width]);
-            for isa in Isa::all() {
-                let chain = PlaneChain::new(&net.layers(), isa);
+            for (isa, halves) in means() {
+                let chain = PlaneChain::new(&net.layers(), isa, halves);
                 let got = written(want.len(), |out| chain.run(&x, [height, width], out, None).unwrap());
-                assert_near(&got, &want, 5e-5, &format!("{isa} {padding:?} {width}×{height}"));
+                assert_near(&got, &want, 5e-5, &format!("{isa} {halves:?} {padding:?} {width}×{height}"));
             }
         }
     }
@@ -105,7 +111,7 @@ fn planes_of_many_channels_agree_with_the_direct_convolution() {
         let x = numbers(9, 128 * height * width);
         let want = net.direct(Isa::best(), &x, [1, height, width]);
         for isa in Isa::all() {
-            let chain = PlaneChain::new(&net.layers(), isa);
+            let chain = PlaneChain::new(&net.layers(), isa, None);
             let got = written(want.len(), |out| chain.run(&x, [height, width], out, None).unwrap());
             assert_near(&got, &want, 5e-5, &format!("{isa} {padding:?} {width}×{height}"));
         }
@@ -125,7 +131,7 @@ fn parts_are_joined_and_enlarged_as_one_picture() {
     let whole: Vec<f32> = (0..32 * height * width).map(at).chain(large.iter().copied()).collect();
     let parts = [Planes { values: &small, is_doubled: true }, Planes { values: &large, is_doubled: false }];
     for isa in Isa::all() {
-        let chain = PlaneChain::new(&net.layers(), isa);
+        let chain = PlaneChain::new(&net.layers(), isa, None);
         let of = |parts: &[Planes]| {
             let ends = (limits, Ending::default());
             written(32 * height * width, |out| chain.run_between(parts, size, ends, out, None).unwrap())
@@ -199,7 +205,9 @@ fn a_cancel_ends_a_volume_within_a_few_rows() {
 #[test]
 fn a_cancelled_plane_says_so() {
     let net = Net::new(Kernel::Plane, Padding::Edge, &[32, 32], &[1]);
-    let chain = PlaneChain::new(&net.layers(), Isa::best());
-    let mut out = vec![std::mem::MaybeUninit::uninit(); 32 * 64];
-    assert_eq!(chain.run(&[0.0; 32 * 64], [8, 8], &mut out, Some(&AtomicBool::new(true))), Err(Cancelled));
+    for halves in [None, Some(Halves::portable())] {
+        let chain = PlaneChain::new(&net.layers(), Isa::best(), halves);
+        let mut out = vec![std::mem::MaybeUninit::uninit(); 32 * 64];
+        assert_eq!(chain.run(&[0.0; 32 * 64], [8, 8], &mut out, Some(&AtomicBool::new(true))), Err(Cancelled));
+    }
 }

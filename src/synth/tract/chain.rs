@@ -9,9 +9,9 @@ use tract_onnx::tract_core::ops::nn::NearestUpsample;
 use super::op::{self, DirectConv};
 use crate::job::Cancel;
 use crate::kernel::winograd::{Layer, PlaneChain, Planes, VolumeChain};
-use crate::kernel::{Ending, Kernel, Limits};
+use crate::kernel::{Ending, Halves, Kernel, Limits};
 
-/// Pixels from which on the transforms pay in a plane; below, weights would be most of the work.
+/// Pixels from which on Winograd's transforms pay in a plane; below, weights would be most of the work.
 const LEAST_PIXELS: usize = 144;
 
 /// Convolutions that follow each other. Inputs: the parts of the picture, and what is added at the end.
@@ -42,13 +42,13 @@ pub(super) enum Convolutions {
     Volume(VolumeChain),
 }
 
-/// Puts chains in place of direct convolutions.
-pub(super) fn fuse(model: &mut TypedModel) -> TractResult<()> {
-    Rewriter::<()>::default().with_rule_for("chain", rule).rewrite(&(), model)
+/// Puts chains in place of direct convolutions; those of planes are multiplied by `halves` where there are some.
+pub(super) fn fuse(model: &mut TypedModel, halves: Option<Halves>) -> TractResult<()> {
+    Rewriter::<Option<Halves>>::default().with_rule_for("chain", rule).rewrite(&halves, model)
 }
 
 fn rule(
-    _: &(),
+    halves: &Option<Halves>,
     model: &TypedModel,
     node: &TypedNode,
     name: &str,
@@ -57,7 +57,7 @@ fn rule(
     let before = model.node(node.inputs[0].node);
     let goes_on = before.op_as::<DirectConv>().is_some_and(|op| follow(op, first)) && !ends(before);
     let shape = model.outlet_fact(node.inputs[0])?.shape.as_concrete().unwrap_or_default();
-    if !fits(first, shape) || (goes_on && reader(model, before).is_some()) {
+    if !fits(first, shape, *halves) || (goes_on && reader(model, before).is_some()) {
         return Ok(None);
     }
     let (mut layers, mut last) = (vec![(first, is_residual(node))], node);
@@ -73,16 +73,16 @@ fn rule(
     let (parts, doubled): (Vec<_>, TVec<_>) = parts(model, node).into_iter().unzip();
     let taps: TractResult<TVec<_>> =
         parts.into_iter().chain(summand(last)).map(|input| patch.tap_model(model, input)).collect();
-    let output = patch.wire_node(format!("{name}.chain"), Chain::new(&layers, doubled), &taps?)?;
+    let output = patch.wire_node(format!("{name}.chain"), Chain::new(&layers, doubled, *halves), &taps?)?;
     patch.shunt_outside(model, last.id.into(), output[0])?;
     Ok(Some(patch))
 }
 
-/// Whether Winograd's algorithm has such a convolution and may pay at this shape.
-fn fits(op: &DirectConv, shape: &[usize]) -> bool {
+/// Whether chains have such a convolution and may pay at this shape.
+fn fits(op: &DirectConv, shape: &[usize], halves: Option<Halves>) -> bool {
     let pixels = shape.iter().rev().take(2).product::<usize>();
     match op.kernel {
-        Kernel::Plane => PlaneChain::takes(op.channels) && pixels >= LEAST_PIXELS,
+        Kernel::Plane => PlaneChain::takes(op.channels) && (halves.is_some() || pixels >= LEAST_PIXELS),
         Kernel::Volume => op.dilation == 1,
         Kernel::Point => false,
     }
@@ -139,7 +139,7 @@ fn follow(op: &DirectConv, next: &DirectConv) -> bool {
 
 impl Chain {
     /// Of convolutions, and whether each is residual.
-    fn new(ops: &[(&DirectConv, bool)], doubled: TVec<bool>) -> Self {
+    fn new(ops: &[(&DirectConv, bool)], doubled: TVec<bool>, halves: Option<Halves>) -> Self {
         let weights: Vec<Vec<f32>> = ops.iter().map(|(op, _)| op.weights.plain()).collect();
         let layers = ops.iter().zip(&weights).map(|(&(op, is_residual), weights)| {
             let DirectConv { channels, dilation, padding, activation, ref bias, .. } = *op;
@@ -150,7 +150,7 @@ impl Chain {
         let isa = first.isa;
         let convolutions = match first.kernel {
             Kernel::Volume => Convolutions::Volume(VolumeChain::new(&layers, isa)),
-            _ => Convolutions::Plane(PlaneChain::new(&layers, isa)),
+            _ => Convolutions::Plane(PlaneChain::new(&layers, isa, halves)),
         };
         let products = |(op, _): &(&DirectConv, bool)| op.channels[0] * op.channels[1] * op.kernel.taps();
         Self {

@@ -2,7 +2,7 @@
 
 use super::weights::SharedWeights;
 use crate::job::Cancel;
-use crate::kernel::Isa;
+use crate::kernel::{Halves, Isa};
 
 /// Which code does the convolutions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,7 +10,7 @@ pub enum Path {
     /// The fastest that this processor has.
     #[default]
     Auto,
-    /// The direct convolution with AVX-512.
+    /// The direct convolution with AVX-512, without tiles.
     Avx512,
     /// The direct convolution with AVX2 and FMA.
     Avx2,
@@ -33,6 +33,11 @@ impl Path {
             Self::Portable => Some(Isa::portable()),
             Self::Stock => None,
         }
+    }
+
+    /// What multiplies planes of many channels in tiles, where the processor can.
+    pub(crate) fn halves(self) -> Option<Halves> {
+        if self == Self::Auto { Halves::best() } else { None }
     }
 }
 
