@@ -3,7 +3,7 @@
 //! convolution by a few units of the fifth digit.
 //!
 //! - [`PlaneChain`]: 3×3 kernels of many channels, F(4×4, 3×3): a quarter of the products. A dilated kernel is d²
-//!   interleaved plain ones. Where the processor multiplies in tiles, [split products](super::split) take its place.
+//!   interleaved plain ones. Where the processor multiplies in tiles, split products (`kernel::split`) take its place.
 //! - `PlaneBatch`: the same for one layer of a training step, and its gradients; `VolumeBatch`: so too for 3×3×3 kernels of
 //!   few channels, two views as the channels of one.
 //! - [`VolumeChain`]: 3×3×3 kernels of few channels, F(4, 3) along the views: half of the products; all layers go
