@@ -33,7 +33,7 @@ pub(super) use weights::{Store, Weights};
 
 use self::picture::{Layout, Line};
 use self::product::{PIXELS, Product, Sums};
-use super::halves::{Halves, TILE};
+use super::halves::{Halves, TILE, Tiles};
 use super::isa::{Isa, on_isa};
 use super::padded::SendPtr;
 use super::shape::Padding;
@@ -42,9 +42,7 @@ use super::tile::Activation;
 use crate::job::Cancelled;
 
 /// Bytes of a picture's halves that a task works on, about: they stay in the second-level cache.
-const TASK_BYTES: usize = 512 << 10;
-/// Rows of a task for each row of its margin at least, where there are more rows than threads want.
-const ROWS_OF_MARGIN: usize = 4;
+const TASK_BYTES: usize = 1 << 20;
 
 thread_local! {
     /// A thread's rows as halves.
@@ -92,13 +90,22 @@ impl Layer<'_> {
     /// Into how many blocks of rows, and of results, the work is cut: two for each thread, so that one that is late
     /// leaves its second to others.
     fn tasks(&self) -> [usize; 2] {
-        let threads = rayon::current_num_threads();
-        let layout = self.layout();
-        let bytes = self.size[0] * layout.width * layout.pixel_bytes();
-        let high_enough = self.size[0] / (ROWS_OF_MARGIN * 2 * self.dilation);
-        let blocks = bytes.div_ceil(TASK_BYTES).max(2 * threads).next_multiple_of(threads);
-        let blocks = blocks.min(high_enough).max(1);
+        let (threads, [height, _]) = (rayon::current_num_threads(), self.size);
+        // Margins are split twice, and all weights read for each block: the latter costs more where they are many.
+        let least_rows = 2 * self.dilation * if self.has_more_weights(height) { 4 } else { 1 };
+        let blocks = self.bytes(height).div_ceil(TASK_BYTES).max(2 * threads).next_multiple_of(threads);
+        let blocks = blocks.min(height / least_rows).max(1);
         [blocks, (2 * threads).div_ceil(blocks).min(self.weights.groups())]
+    }
+
+    /// Bytes of some rows' halves.
+    fn bytes(&self, rows: usize) -> usize {
+        let layout = self.layout();
+        rows * layout.width * layout.pixel_bytes()
+    }
+
+    fn has_more_weights(&self, rows: usize) -> bool {
+        self.weights.bytes() > self.bytes(rows)
     }
 
     fn layout(&self) -> Layout {
@@ -107,42 +114,61 @@ impl Layer<'_> {
 
     /// Some rows of some groups of 16 results.
     fn compute(&self, rows: Range<usize>, groups: Range<usize>, out: &SendPtr) {
-        let (layout, [_, results]) = (self.layout(), self.weights.channels);
+        let layout = self.layout();
         let taps = layout.taps(self.dilation);
-        let mut sums = Sums([0.0; PIXELS * TILE]);
+        let pieces = (rows.len() * layout.width).div_ceil(PIXELS);
         SCRATCH.with_borrow_mut(|lines| {
             let first = layout.fill(self, rows.clone(), lines);
-            let tiles = self.halves.tiles(layout.depth);
-            for group in groups {
-                let channel = group * TILE;
-                let at = rows.start * self.size[1] * results + channel;
-                for pixel in (0..rows.len() * layout.width).step_by(PIXELS) {
-                    let product = Product {
-                        pixels: first.wrapping_add(pixel * layout.pixel_bytes()),
-                        pixel_step: layout.pixel_bytes(),
-                        low: layout.low(),
-                        weights: self.weights.group(self.store, group),
-                        parts: self.weights.parts,
-                        taps: &taps,
-                    };
-                    // SAFETY: the rows have room for the last pixels' taps; weights have tiles for each of them.
-                    unsafe { product.onto(&tiles, &mut sums) };
-                    let finish = Finish {
-                        sums: &sums,
-                        first: pixel,
-                        outer: layout.width,
-                        size: [rows.len(), self.size[1]],
-                        step: results,
-                        factors: self.weights.steps[channel..].as_ptr(),
-                        bias: self.bias[channel..].as_ptr(),
-                        activation: self.activation,
-                        residual: if self.is_residual { self.x[at..].as_ptr() } else { std::ptr::null() },
-                        // SAFETY: rows and groups are inside the result.
-                        out: unsafe { out.at(at) },
-                    };
-                    on_isa!(self.isa, finish_split(&finish));
-                }
+            let task = Task { layout, taps: &taps, first, rows, out, tiles: self.halves.tiles(layout.depth) };
+            // Whichever is more is read once.
+            if self.has_more_weights(task.rows.len()) {
+                groups.for_each(|group| (0..pieces).for_each(|piece| self.piece(&task, group, piece)));
+            } else {
+                (0..pieces).for_each(|piece| groups.clone().for_each(|group| self.piece(&task, group, piece)));
             }
         });
     }
+
+    /// 16 results at some pixels.
+    fn piece(&self, task: &Task, group: usize, piece: usize) {
+        let Task { layout, taps, first, ref rows, out, ref tiles } = *task;
+        let (channel, pixel, results) = (group * TILE, piece * PIXELS, self.weights.channels[1]);
+        let at = rows.start * self.size[1] * results + channel;
+        let product = Product {
+            pixels: first.wrapping_add(pixel * layout.pixel_bytes()),
+            pixel_step: layout.pixel_bytes(),
+            low: layout.low(),
+            weights: self.weights.group(self.store, group),
+            parts: self.weights.parts,
+            taps,
+        };
+        let mut sums = Sums([0.0; PIXELS * TILE]);
+        // SAFETY: the rows have room for the last pixels' taps; weights have tiles for each of them.
+        unsafe { product.onto(tiles, &mut sums) };
+        let finish = Finish {
+            sums: &sums,
+            first: pixel,
+            outer: layout.width,
+            size: [rows.len(), self.size[1]],
+            step: results,
+            factors: self.weights.steps[channel..].as_ptr(),
+            bias: self.bias[channel..].as_ptr(),
+            activation: self.activation,
+            residual: if self.is_residual { self.x[at..].as_ptr() } else { std::ptr::null() },
+            // SAFETY: rows and groups are inside the result.
+            out: unsafe { out.at(at) },
+        };
+        on_isa!(self.isa, finish_split(&finish));
+    }
+}
+
+/// What the pieces of a task share.
+struct Task<'a> {
+    layout: Layout,
+    taps: &'a [usize],
+    /// The first byte of the rows' halves.
+    first: *const u8,
+    rows: Range<usize>,
+    out: &'a SendPtr,
+    tiles: Tiles,
 }

@@ -57,9 +57,15 @@ impl Layout {
         self.padded() * size_of::<u16>()
     }
 
+    /// Halves from one pixel to the next: a line more where pixels would fall into few sets of the fastest cache.
+    fn pixel(&self) -> usize {
+        let halves = 2 * self.padded();
+        if halves.is_multiple_of(4 * Line::LEN) { halves + Line::LEN } else { halves }
+    }
+
     /// Bytes from one pixel to the next.
     pub(super) fn pixel_bytes(&self) -> usize {
-        2 * self.low()
+        self.pixel() * size_of::<u16>()
     }
 
     /// Bytes from the corner of a kernel to what each tap of each block reads, in the order of the weights.
@@ -73,7 +79,7 @@ impl Layout {
     pub(super) fn fill(&self, layer: &Layer, rows: Range<usize>, lines: &mut Vec<Line>) -> *const u8 {
         let channels = layer.weights.channels[0];
         let [height, columns] = layer.size;
-        let pixel = 2 * self.padded();
+        let pixel = self.pixel();
         let outer = rows.len() + 2 * self.margin;
         // The last tiles reach beyond the last row.
         let room = (outer * self.width + PIXELS + 2 * self.margin) * pixel;
@@ -91,7 +97,8 @@ impl Layout {
             let from = &layer.x[y * columns * channels..][..columns * channels];
             let (before, inside) = to.split_at_mut(self.margin * pixel);
             let (inside, behind) = inside.split_at_mut(columns * pixel);
-            on_isa!(layer.isa, split_row(&mut Row { from, channels, to: &mut *inside, padded: self.padded() }));
+            let padded = self.padded();
+            on_isa!(layer.isa, split_row(&mut Row { from, channels, to: &mut *inside, pixel, padded }));
             match layer.padding {
                 Padding::Zero => [before, behind].into_iter().for_each(|margin| margin.fill(0)),
                 Padding::Edge => {
@@ -112,15 +119,18 @@ pub(in crate::kernel) struct Row<'a> {
     channels: usize,
     /// `[x][high, low][padded]`
     to: &'a mut [u16],
+    /// Halves from one pixel to the next.
+    pixel: usize,
     padded: usize,
 }
 
 /// Splits the numbers of a row, 16 channels at a time: a loop of an unknown length would go one by one over so few.
 #[inline(always)]
 pub(in crate::kernel) fn split(row: &mut Row) {
-    let pixels = row.from.chunks_exact(row.channels).zip(row.to.chunks_exact_mut(2 * row.padded));
+    let pixels = row.from.chunks_exact(row.channels).zip(row.to.chunks_exact_mut(row.pixel));
     for (from, to) in pixels {
         let (high, low) = to.split_at_mut(row.padded);
+        let low = &mut low[..row.padded];
         let parts = high.as_chunks_mut::<TILE>().0.iter_mut().zip(low.as_chunks_mut::<TILE>().0);
         for (from, (high, low)) in from.as_chunks::<TILE>().0.iter().zip(parts) {
             for (i, x) in from.iter().enumerate() {

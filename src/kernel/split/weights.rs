@@ -59,6 +59,11 @@ impl Weights {
         Self { lines, channels, parts, steps }
     }
 
+    /// Of all results.
+    pub(super) fn bytes(&self) -> usize {
+        self.lines.len() * size_of::<Line>()
+    }
+
     /// Groups of 16 results.
     pub(super) fn groups(&self) -> usize {
         self.channels[1] / TILE
