@@ -81,7 +81,7 @@ impl Layer<'_> {
         team::each(blocks * parts, |task| {
             if !stopped() {
                 let rows = piece(task % blocks, blocks, self.size[0]);
-                self.compute(rows, piece(task / blocks, parts, self.weights.groups()), &to);
+                self.compute(rows, piece(task / blocks, parts, self.weights.groups()), &to, stopped);
             }
         });
         if stopped() { Err(Cancelled) } else { Ok(()) }
@@ -112,19 +112,24 @@ impl Layer<'_> {
         Layout::new(self.weights.channels[0], self.size[1], self.dilation)
     }
 
-    /// Some rows of some groups of 16 results.
-    fn compute(&self, rows: Range<usize>, groups: Range<usize>, out: &SendPtr) {
+    /// Some rows of some groups of 16 results, until it is stopped.
+    fn compute(&self, rows: Range<usize>, groups: Range<usize>, out: &SendPtr, stopped: impl Fn() -> bool) {
         let layout = self.layout();
         let taps = layout.taps(self.dilation);
-        let pieces = (rows.len() * layout.width).div_ceil(PIXELS);
+        let pieces = 0..(rows.len() * layout.width).div_ceil(PIXELS);
         SCRATCH.with_borrow_mut(|lines| {
             let first = layout.fill(self, rows.clone(), lines);
             let task = Task { layout, taps: &taps, first, rows, out, tiles: self.halves.tiles(layout.depth) };
+            let goes_on = |_: &usize| !stopped();
             // Whichever is more is read once.
             if self.has_more_weights(task.rows.len()) {
-                groups.for_each(|group| (0..pieces).for_each(|piece| self.piece(&task, group, piece)));
+                groups
+                    .take_while(goes_on)
+                    .for_each(|group| pieces.clone().for_each(|piece| self.piece(&task, group, piece)));
             } else {
-                (0..pieces).for_each(|piece| groups.clone().for_each(|group| self.piece(&task, group, piece)));
+                pieces
+                    .take_while(goes_on)
+                    .for_each(|piece| groups.clone().for_each(|group| self.piece(&task, group, piece)));
             }
         });
     }
