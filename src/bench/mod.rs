@@ -150,7 +150,7 @@ pub fn run(models: &ModelSource, options: &Options, job: &Job) -> Result<Report,
     }
     let peak_gflops = median(peaks.into_iter());
     let sizes = runners.iter().map(|runner| runner.report(peak_gflops)).collect();
-    let tiles = if options.path.halves().is_some() { " and tiles" } else { "" };
+    let tiles = if options.engine().halves().is_some() { " and tiles" } else { "" };
     Ok(Report { machine: format!("{}, {isa}{tiles}, {threads} threads", processor()), sizes })
 }
 

@@ -122,7 +122,7 @@ fn prepared(file: &OnnxFile, input_shape: &[usize], options: &Options) -> Result
         ends::rewrite(&mut model).map_err(shape_error)?;
         foreign(&mut model, isa).map_err(shape_error)?;
         if !options.exact {
-            chain::fuse(&mut model, options.path.halves()).map_err(shape_error)?;
+            chain::fuse(&mut model, options.halves()).map_err(shape_error)?;
         }
     }
     let mut model = typed::optimised(model).map_err(shape_error)?;

@@ -34,11 +34,6 @@ impl Path {
             Self::Stock => None,
         }
     }
-
-    /// What multiplies planes of many channels in tiles, where the processor can.
-    pub(crate) fn halves(self) -> Option<Halves> {
-        if self == Self::Auto { Halves::best() } else { None }
-    }
 }
 
 /// How a net is to be run.
@@ -54,4 +49,11 @@ pub struct Options {
     pub weights: SharedWeights,
     /// What stops the preparation, which takes seconds for large nets.
     pub cancel: Cancel,
+}
+
+impl Options {
+    /// What multiplies planes of many channels in tiles, where the processor can and nothing exact is asked for.
+    pub(crate) fn halves(&self) -> Option<Halves> {
+        if self.path == Path::Auto && !self.exact { Halves::best() } else { None }
+    }
 }
