@@ -1,5 +1,7 @@
 //! The depth net: photo → ray depths at the net's working scale (paper, §3.1).
 
+use std::ops::Range;
+
 use super::net::Net;
 use super::picture::{Signed, size_in_steps};
 use super::{Channels, ModelError, ModelFile, SynthError};
@@ -8,6 +10,10 @@ use crate::job::Job;
 
 /// Sides of the net's input are multiples of this at least, so that photos of odd shapes share nets made ready.
 const STEP_PX: u32 = 16;
+
+/// Pixels of the coarse pass along a side of the cells that two passes are compared by. With 5 or 10 thin parts and edges
+/// are alike; with 1, they are the coarse pass's.
+const CELL_PX: u32 = 8;
 
 /// The depth net of a manifest with `task = "ray-depth"`.
 pub(super) struct DepthNet {
@@ -39,6 +45,12 @@ impl NetDepths {
     }
 }
 
+/// Maps of one pass, `[layer, y, x]`, pixels per view step at width `size[0]`.
+struct Pass {
+    size: Size,
+    maps: Vec<f32>,
+}
+
 impl DepthNet {
     /// Checks the model against its manifest.
     pub(super) fn load(file: ModelFile) -> Result<Self, ModelError> {
@@ -56,31 +68,54 @@ impl DepthNet {
         self.grid
     }
 
-    /// Ray depths at the finest working scale of the manifest.
+    /// Ray depths of all views at the finest working scale of the manifest.
     pub(super) fn estimate(&self, photo: &View, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
-        let mut merged: Option<NetDepths> = None;
-        for side in self.net.manifest().working_long_side.as_slice() {
-            let fine = self.at_scale(photo, *side, threads, job)?;
+        let Pass { size, maps } = self.passes(photo, 0..self.grid.count(), threads, job)?;
+        Ok(NetDepths { grid: self.grid, size, maps })
+    }
+
+    /// The reference view's alone.
+    pub(super) fn reference(&self, photo: &View, threads: usize, job: &Job) -> Result<DisparityMap, SynthError> {
+        let layer = self.grid.layer_from_view(self.grid.reference());
+        let Pass { size, maps } = self.passes(photo, layer..layer + 1, threads, job)?;
+        Ok(DisparityMap::new(size, maps)?)
+    }
+
+    /// All passes in one, of some of the views. A photo that is no larger than a pass before saw it is not seen again.
+    fn passes(&self, photo: &View, layers: Range<usize>, threads: usize, job: &Job) -> Result<Pass, SynthError> {
+        let manifest = self.net.manifest();
+        let sizes = manifest.working_long_side.as_slice().iter();
+        let mut sizes: Vec<Size> = sizes.map(|side| working_size(photo.size(), *side, manifest.multiple_of)).collect();
+        sizes.dedup();
+        let mut merged: Option<Pass> = None;
+        for size in sizes {
+            let fine = self.pass(photo, size, layers.clone(), threads, job)?;
             merged = Some(match merged {
-                Some(coarse) => with_order_of(fine, &coarse),
+                Some(coarse) => with_layout_of(fine, &coarse),
                 None => fine,
             });
         }
-        let none =
-            || ModelError::Manifest { place: self.net.manifest().id.clone(), why: "no working scale".to_owned() };
+        let none = || ModelError::Manifest { place: manifest.id.clone(), why: "no working scale".to_owned() };
         merged.ok_or_else(|| none().into())
     }
 
-    fn at_scale(&self, photo: &View, long_side: u32, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
+    fn pass(
+        &self,
+        photo: &View,
+        size: Size,
+        layers: Range<usize>,
+        threads: usize,
+        job: &Job,
+    ) -> Result<Pass, SynthError> {
         let manifest = self.net.manifest();
-        let size = working_size(photo.size(), long_side, manifest.multiple_of);
         // As soft as the pictures that the trainer shows its nets: sharper ones cost 0.005 of rank correlation.
         let input = net_input(&Signed::resized(photo, size, Filter::Linear), &manifest.inputs);
         let [w, h] = sides(size);
         let shape = [1, manifest.input_channels(), h, w];
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
-        let unit = width_unit(photo.size(), size);
-        Ok(NetDepths { grid: self.grid, size, maps: output.iter().map(|d| d * unit).collect() })
+        let (unit, plane) = (width_unit(photo.size(), size), pixels(size));
+        let asked = output.iter().skip(layers.start * plane).take(layers.len() * plane);
+        Ok(Pass { size, maps: asked.map(|d| d * unit).collect() })
     }
 }
 
@@ -114,17 +149,20 @@ fn net_input(photo: &Signed, channels: &[Channels]) -> Vec<f32> {
     input
 }
 
-/// The fine maps' detail on the coarse maps' order: what the fine scale says blurred to the coarse one is replaced.
-fn with_order_of(fine: NetDepths, coarse: &NetDepths) -> NetDepths {
+/// The fine maps' detail on the coarse maps' layout, which is what both say of cells of some pixels. A net knows nothing of its
+/// picture's size: what it says of a larger one is as deep as if it were the first one.
+fn with_layout_of(fine: Pass, coarse: &Pass) -> Pass {
     let ratio = disparity_scale(coarse.size, fine.size);
-    let mut maps = Vec::with_capacity(fine.maps.len());
-    for layer in 0..fine.grid.count() {
-        let blurred = resample::<1>(fine.layer(layer), fine.size, coarse.size, Filter::Linear);
-        let change: Vec<f32> = coarse.layer(layer).iter().zip(&blurred).map(|(c, b)| c * ratio - b).collect();
-        let change = resample::<1>(&change, coarse.size, fine.size, Filter::Linear);
-        maps.extend(fine.layer(layer).iter().zip(&change).map(|(f, c)| f + c));
-    }
-    NetDepths { maps, ..fine }
+    let cells = coarse.size.map(|side| side.div_ceil(CELL_PX));
+    let planes = fine.maps.chunks_exact(pixels(fine.size)).zip(coarse.maps.chunks_exact(pixels(coarse.size)));
+    let merged = planes.flat_map(|(fine_map, coarse_map)| {
+        let in_fine = resample::<1>(fine_map, fine.size, cells, Filter::Linear);
+        let in_coarse = resample::<1>(coarse_map, coarse.size, cells, Filter::Linear);
+        let change: Vec<f32> = in_coarse.iter().zip(&in_fine).map(|(c, f)| c - f).collect();
+        let change = resample::<1>(&change, cells, fine.size, Filter::Linear);
+        fine_map.iter().zip(change).map(|(f, c)| ratio * (f + c)).collect::<Vec<f32>>()
+    });
+    Pass { maps: merged.collect(), size: fine.size }
 }
 
 #[cfg(test)]
@@ -160,11 +198,17 @@ mod tests {
     }
 
     #[test]
-    fn merging_takes_order_from_the_coarse_map_and_detail_from_the_fine_one() {
-        let grid = ViewGrid::new(1, 1).unwrap();
-        let fine = NetDepths { grid, size: [32, 32], maps: (0..1024).map(|i| ((i % 2) as f32 - 0.5) * 0.2).collect() };
-        let coarse = NetDepths { grid, size: [16, 16], maps: vec![1.0; 256] };
-        let merged = with_order_of(fine, &coarse);
-        assert!((merged.maps[16 * 32 + 16] - 1.9).abs() < 1e-4 && (merged.maps[16 * 32 + 17] - 2.1).abs() < 1e-4);
+    fn merging_takes_layout_from_the_coarse_map_and_thin_things_from_the_fine_one() {
+        // A post two pixels wide, which the coarse pass does not see, and a slope, which the fine one does not.
+        let post = |x: u32| if x == 32 || x == 33 { 0.5 } else { 0.0 };
+        let fine = Pass { size: [64, 32], maps: (0..64 * 32).map(|i| post(i % 64)).collect() };
+        let coarse = Pass { size: [32, 16], maps: (0..32 * 16).map(|i| (i % 32) as f32 * 0.01).collect() };
+        let merged = with_layout_of(fine, &coarse);
+        let at = |x: usize| merged.maps[16 * 64 + x];
+        assert!(
+            (at(32) - at(28) - 1.0).abs() < 0.1 && (at(33) - at(37) - 1.0).abs() < 0.1,
+            "the post stands out twice"
+        );
+        assert!((at(52) - at(12) - 2.0 * 0.2).abs() < 0.06, "{} and {}", at(52), at(12));
     }
 }

@@ -61,7 +61,7 @@ pub enum RayDepthsFrom {
 pub enum LongSides {
     /// One pass.
     One(u32),
-    /// Several passes, coarse first; each adds its detail.
+    /// Several passes, coarse first; each adds its detail. Of all, ray depths are as deep as if the picture had the first size.
     Several(Vec<u32>),
 }
 

@@ -118,7 +118,7 @@ impl Synthesizer {
         params: &SynthParams,
         job: &Job,
     ) -> Result<DisparityMap, SynthError> {
-        Ok(self.depth.estimate(reference, params.threads, job)?.reference()?)
+        self.depth.reference(reference, params.threads, job)
     }
 
     /// Makes a light field. The sink hears of ray depths, then of Lambertian views from the middle outward, then of
@@ -224,7 +224,7 @@ impl Synthesizer {
                 (map, phone.metric_scale(&params.camera, None))
             }
             (DepthSource::Fused, Some(phone)) => {
-                let net = self.depth.estimate(reference, threads, job)?.reference()?;
+                let net = self.depth.reference(reference, threads, job)?;
                 (fuse::fuse(&net, &measured(phone)?, reference, job)?, None)
             }
             (source, _) => {
@@ -284,12 +284,17 @@ impl Synthesizer {
 
 /// A ray-depth net's map of the reference view, its edges brought to the photo's.
 fn refined(depth: &DepthNet, reference: &View, threads: usize, job: &Job) -> Result<Reference, SynthError> {
-    let net = depth.estimate(reference, threads, job)?;
+    let (map, net) = match depth.net().manifest().ray_depths {
+        RayDepthsFrom::Lift => (depth.reference(reference, threads, job)?, None),
+        RayDepthsFrom::Net => {
+            let net = depth.estimate(reference, threads, job)?;
+            (net.reference()?, Some(net))
+        }
+    };
     job.advance(Stage::Depth, 1, 3)?;
-    let map = upsample::to_guide(&net.reference()?, reference, job)?;
+    let map = upsample::net_to_guide(&map, reference, job)?;
     job.advance(Stage::Depth, 2, 3)?;
-    let is_lifted = depth.net().manifest().ray_depths == RayDepthsFrom::Lift;
-    Ok(Reference { map, net: (!is_lifted).then_some(net), metric: None })
+    Ok(Reference { map, net, metric: None })
 }
 
 /// Makes a light field of a photo whose ray depth is known: Lambertian views on the paper's grid, without any net.

@@ -17,8 +17,10 @@ use super::{SynthError, speckles, steps, tips};
 use crate::field::{DisparityMap, Filter, Size, View, resample, sides};
 use crate::job::{Cancel, Cancelled, Job};
 
-/// Enlargement from which on a map is small: its edges are to be found in the photo.
+/// Enlargement from which on a map that a camera measured is small: its edges are to be found in the photo.
 const SMALL: f32 = 2.0;
+/// The same of a net's map, whose edges are soft however large it is.
+const SMALL_OF_NET: f32 = 1.2;
 /// How far a certain value flows over even colour, as a share of the long side.
 const FLOW_SHARE: f32 = 0.05;
 /// A map whose steps rise by this part of them from one pixel to the next is as sharp as it can be drawn.
@@ -46,6 +48,18 @@ const RAMP_OF_MAP: f32 = 3.0;
 /// # Errors
 /// Cancelled; values beyond all measure.
 pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
+    to_guide_from(map, guide, SMALL, job)
+}
+
+/// The same of a net's map at its working scale.
+///
+/// # Errors
+/// Those of [`to_guide`].
+pub(super) fn net_to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
+    to_guide_from(map, guide, SMALL_OF_NET, job)
+}
+
+fn to_guide_from(map: &DisparityMap, guide: &View, small_from: f32, job: &Job) -> Result<DisparityMap, SynthError> {
     let target = guide.size();
     let ratio = map.scale_to(target);
     let scaled: Vec<f32> = map.disparity_px().iter().map(|d| d * ratio).collect();
@@ -53,7 +67,7 @@ pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<Disparity
     let enlarged = target[0] as f32 / source[0] as f32;
     let mut disparity_px = resample::<1>(&small, source, target, Filter::Linear);
     let reach = (RAMP_PX + RAMP_OF_MAP * enlarged) as usize;
-    if enlarged >= SMALL {
+    if enlarged >= small_from {
         let certain = resample::<1>(&certainty(&small, sides(source)), source, target, Filter::Linear);
         disparity_px = spread(&disparity_px, &certain, guide, job)?;
     } else if steps::sharpness(&small, sides(source), reach) < SHARP {
@@ -257,6 +271,20 @@ mod tests {
         assert!(wrong <= 30, "{wrong} of 10,800 pixels are on the wrong side");
         let between = out.disparity_px().iter().filter(|d| (**d - lo).min(hi - **d) > 0.3 * (hi - lo)).count();
         assert!(between <= 30, "{between} pixels have a depth in between");
+    }
+
+    #[test]
+    fn a_nets_edge_moves_too_where_its_map_is_little_smaller() {
+        let (guide, map, mask) = disc();
+        let large = resample::<1>(map.disparity_px(), [40, 30], [80, 60], Filter::Linear);
+        let large = DisparityMap::new([80, 60], large).unwrap();
+        let wrong = |out: &DisparityMap| {
+            let [lo, hi] = out.range_px();
+            out.disparity_px().iter().zip(&mask).filter(|(d, m)| (**d > (lo + hi) / 2.0) != **m).count()
+        };
+        let moved = net_to_guide(&large, &guide, &Job { cancel: &Cancel::default(), sink: &() }).unwrap();
+        assert!(wrong(&moved) <= 30, "{} of 10,800 pixels are on the wrong side", wrong(&moved));
+        assert_ne!(moved, guided(&large, &guide), "a camera's own map knows where its edges are");
     }
 
     #[test]

@@ -223,6 +223,10 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub pitfalls: f32,
+    /// Part of the scenes in three dimensions of which a window of twice the size is shown, as a fine pass sees them
+    #[arg(long, default_value_t = 0.0)]
+    #[serde(default)]
+    pub fine: f32,
     /// Threads of the trainer; 0 means all
     #[arg(long, default_value_t = 0)]
     pub threads: usize,

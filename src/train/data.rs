@@ -35,6 +35,7 @@ pub fn scenes_config(config: &Config) -> Result<scenes::Config, TrainError> {
         turned: config.turned,
         shading: config.shading,
         pitfalls: config.pitfalls,
+        fine: config.fine,
         ..scenes::Config::default()
     })
 }

@@ -2,6 +2,7 @@
 
 use super::Kind;
 use super::raster::{Raster, Rgb};
+use crate::rng::Rng;
 
 /// One light field, or some of its views.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,9 +43,48 @@ impl Sample {
         (0..64).map(|layer| Some(part(&self.disparity, self.place(layer)?, self.size[0] * self.size[1]))).collect()
     }
 
+    /// The upper left corner of a window: of three by chance, the one in which the reference view's depths spread most.
+    pub(super) fn telling_window(&self, rng: &mut Rng, size: [usize; 2]) -> [usize; 2] {
+        let corners: [[usize; 2]; 3] =
+            std::array::from_fn(|_| [0, 1].map(|axis| rng.below(self.size[axis] - size[axis] + 1)));
+        let spread = |corner: &[usize; 2]| {
+            let depths = window(&self.disparity[..self.size[0] * self.size[1]], self.size[0], *corner, size);
+            let mean = depths.iter().sum::<f32>() / depths.len() as f32;
+            depths.iter().map(|d| (d - mean).abs()).sum::<f32>()
+        };
+        corners.into_iter().max_by(|a, b| spread(a).total_cmp(&spread(b))).unwrap_or_default()
+    }
+
+    /// A window of it, from a corner on.
+    pub(super) fn cut(&self, corner: [usize; 2], size: [usize; 2]) -> Self {
+        let each = |maps: &[f32]| -> Vec<f32> {
+            let maps = maps.chunks_exact(self.size[0] * self.size[1]);
+            maps.flat_map(|map| window(map, self.size[0], corner, size)).collect()
+        };
+        // Where a pixel lies in the picture, from −1 to 1 along an axis.
+        let at = |axis: usize, [first, last]: [f32; 2], pixel: usize| {
+            first + (last - first) * pixel as f32 / (self.size[axis] - 1).max(1) as f32
+        };
+        let ([top, bottom, left, right], [x, y]) = (self.yx, corner);
+        let yx = [
+            at(1, [top, bottom], y),
+            at(1, [top, bottom], y + size[1] - 1),
+            at(0, [left, right], x),
+            at(0, [left, right], x + size[0] - 1),
+        ];
+        let subject = self.subject.as_ref().map(|map| window(map, self.size[0], corner, size));
+        let (rgb, disparity) = (each(&self.rgb), each(&self.disparity));
+        Self { size, rgb, disparity, subject, yx, views: self.views.clone(), origin: self.origin.clone(), ..*self }
+    }
+
     fn place(&self, layer: usize) -> Option<usize> {
         self.views.iter().position(|&own| own == layer)
     }
+}
+
+/// A window of a map of this width.
+fn window<T: Copy>(map: &[T], wide: usize, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> Vec<T> {
+    map.chunks_exact(wide).skip(y).take(height).flat_map(|row| &row[x..x + width]).copied().collect()
 }
 
 /// Part `i` of an array of equal parts.

@@ -70,6 +70,7 @@ pub fn command() -> Command {
         .arg(part("turned", "Part of the lifted maps that lie on a side or upside down"))
         .arg(part("shading", "Part of the samples on which falls light that says nothing about depth"))
         .arg(part("pitfalls", "Part of the scenes that show bare tops, bright upper walls, portraits, wide land, clouds, flowers from near, things on ledges, bold patterns"))
+        .arg(part("fine", "Part of the scenes in three dimensions of which a window of twice the size is shown"))
         .arg(arg!(--"held-out" "Photos that training never sees, as they are: what methods are judged by"))
         .arg(arg!(--eslf "Write Lytro's ESLF pictures in place of folders").requires("out"))
         .arg(
@@ -103,6 +104,7 @@ pub fn run(matches: &ArgMatches) -> Result<String> {
         turned: share("turned"),
         shading: share("shading"),
         pitfalls: share("pitfalls"),
+        fine: share("fine"),
         ..Config::default()
     };
     let held_out = matches.get_flag("held-out");
