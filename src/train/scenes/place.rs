@@ -1,6 +1,6 @@
 //! Where a photo lies on a canvas: crop, zoom, flip, a slight turn, and its colours.
 
-use super::raster::{Raster, Texel};
+use super::raster::{Raster, Texel, window};
 use super::{Config, FOCAL_NEARNESS};
 use crate::rng::Rng;
 
@@ -35,9 +35,7 @@ impl Canvas {
 
     /// The picture's part of a canvas-sized raster.
     pub fn crop<T: Copy>(&self, raster: &Raster<T>) -> Vec<T> {
-        let [w, h] = self.size;
-        let wide = raster.size[0];
-        (0..h).flat_map(|y| raster.px[(y + self.margin) * wide + self.margin..][..w].iter().copied()).collect()
+        window(&raster.px, raster.size[0], [self.margin; 2], self.size)
     }
 }
 

@@ -189,6 +189,11 @@ pub fn distance_inside(inside: &[bool], size: [usize; 2]) -> Vec<f32> {
     distance
 }
 
+/// A window of a map of this width, from its upper left corner on.
+pub(super) fn window<T: Copy>(map: &[T], wide: usize, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> Vec<T> {
+    map.chunks_exact(wide).skip(y).take(height).flat_map(|row| &row[x..x + width]).copied().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! What the data engine makes.
 
 use super::Kind;
-use super::raster::{Raster, Rgb};
+use super::raster::{Raster, Rgb, window};
 use crate::rng::Rng;
 
 /// One light field, or some of its views.
@@ -80,11 +80,6 @@ impl Sample {
     fn place(&self, layer: usize) -> Option<usize> {
         self.views.iter().position(|&own| own == layer)
     }
-}
-
-/// A window of a map of this width.
-fn window<T: Copy>(map: &[T], wide: usize, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> Vec<T> {
-    map.chunks_exact(wide).skip(y).take(height).flat_map(|row| &row[x..x + width]).copied().collect()
 }
 
 /// Part `i` of an array of equal parts.
