@@ -81,45 +81,41 @@ impl DepthNet {
         Ok(DisparityMap::new(size, maps)?)
     }
 
-    /// All passes in one, of some of the views. A photo that is no larger than a pass before saw it is not seen again. A net
-    /// knows nothing of its picture's size: what it says of a larger one is as deep as if it were of the first one's size.
+    /// All passes in one, of some of the views. A photo that is no larger than a pass before saw it is not seen again.
     fn passes(&self, photo: &View, layers: Range<usize>, threads: usize, job: &Job) -> Result<Pass, SynthError> {
         let manifest = self.net.manifest();
-        let sizes = manifest.working_long_side.as_slice().iter();
-        let mut sizes: Vec<Size> = sizes.map(|side| working_size(photo.size(), *side, manifest.multiple_of)).collect();
+        let sides = manifest.working_long_side.as_slice().iter();
+        let mut sizes: Vec<Size> = sides.map(|side| working_size(photo.size(), *side, manifest.multiple_of)).collect();
         sizes.dedup();
-        let first = sizes.first().copied().unwrap_or_else(|| photo.size());
-        let mut merged: Option<Pass> = None;
-        for size in sizes {
-            let mut fine = self.pass(photo, size, layers.clone(), threads, job)?;
-            let unit = disparity_scale(first, size);
-            fine.maps.iter_mut().for_each(|d| *d *= unit);
-            merged = Some(match merged {
-                Some(coarse) => with_layout_of(fine, &coarse),
-                None => fine,
-            });
-        }
         let none = || ModelError::Manifest { place: manifest.id.clone(), why: "no working scale".to_owned() };
-        merged.ok_or_else(|| none().into())
+        let (&first, finer) = sizes.split_first().ok_or_else(none)?;
+        // A net knows nothing of its picture's size: what it says of a larger one is as deep as if it were of the first one's.
+        let pass = |size: Size| {
+            let mut maps = self.said_of(photo, size, layers.clone(), threads, job)?;
+            let unit = width_unit(photo.size(), first) * disparity_scale(first, size);
+            maps.iter_mut().for_each(|d| *d *= unit);
+            Ok::<_, SynthError>(Pass { size, maps })
+        };
+        finer.iter().try_fold(pass(first)?, |coarse, &size| Ok(with_layout_of(pass(size)?, &coarse)))
     }
 
-    fn pass(
+    /// What the net says of the photo at this size, `[layer, y, x]`.
+    fn said_of(
         &self,
         photo: &View,
         size: Size,
         layers: Range<usize>,
         threads: usize,
         job: &Job,
-    ) -> Result<Pass, SynthError> {
+    ) -> Result<Vec<f32>, SynthError> {
         let manifest = self.net.manifest();
         // As soft as the pictures that the trainer shows its nets: sharper ones cost 0.005 of rank correlation.
         let input = net_input(&Signed::resized(photo, size, Filter::Linear), &manifest.inputs);
         let [w, h] = sides(size);
         let shape = [1, manifest.input_channels(), h, w];
         let output = self.net.run(&shape, &input, threads, job.cancel)?;
-        let (unit, plane) = (width_unit(photo.size(), size), pixels(size));
-        let asked = output.iter().skip(layers.start * plane).take(layers.len() * plane);
-        Ok(Pass { size, maps: asked.map(|d| d * unit).collect() })
+        let plane = pixels(size);
+        Ok(output.iter().skip(layers.start * plane).take(layers.len() * plane).copied().collect())
     }
 }
 
