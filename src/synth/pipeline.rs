@@ -292,7 +292,8 @@ fn refined(depth: &DepthNet, reference: &View, threads: usize, job: &Job) -> Res
         }
     };
     job.advance(Stage::Depth, 1, 3)?;
-    let map = upsample::net_to_guide(&map, reference, job)?;
+    let knows_edges = depth.sees_all_of(reference.size());
+    let map = if knows_edges { upsample::to_guide } else { upsample::net_to_guide }(&map, reference, job)?;
     job.advance(Stage::Depth, 2, 3)?;
     Ok(Reference { map, net, metric: None })
 }

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::morphology::extremes;
 use crate::field::{View, sides};
 use crate::job::{Cancel, Cancelled};
 
@@ -67,25 +68,6 @@ fn usual_range(map: &[f32]) -> f32 {
     sorted.sort_unstable_by(f32::total_cmp);
     let at = |share: f32| sorted[((sorted.len() - 1) as f32 * share) as usize];
     at(1.0 - TAIL) - at(TAIL)
-}
-
-/// The extreme of the square of `2·around + 1` pixels about each pixel.
-fn extremes(map: &[f32], [w, h]: [usize; 2], around: usize, most: fn(f32, f32) -> f32) -> Vec<f32> {
-    let window = |at: usize, side: usize| at.saturating_sub(around)..(at + around + 1).min(side);
-    let mut rows = vec![0.0; map.len()];
-    rows.par_chunks_mut(w).zip(map.par_chunks(w)).for_each(|(out, row)| {
-        out.iter_mut()
-            .enumerate()
-            .for_each(|(x, out)| *out = row[window(x, w)].iter().copied().reduce(most).unwrap_or(row[x]));
-    });
-    let mut all = vec![0.0; map.len()];
-    all.par_chunks_mut(w).enumerate().for_each(|(y, out)| {
-        out.copy_from_slice(&rows[y * w..][..w]);
-        for other in window(y, h) {
-            out.iter_mut().zip(&rows[other * w..][..w]).for_each(|(out, value)| *out = most(*out, *value));
-        }
-    });
-    all
 }
 
 /// The distance of each pixel to the nearest that is set, in pixels: straight and slanted steps.

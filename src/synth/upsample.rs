@@ -1,7 +1,8 @@
 //! Ray depth at the light field's size, with the photo as guide, so that edges sit on edges.
 //!
 //! A larger map is reduced without averages. One nearly as large as its guide knows better than the photo's colours:
-//! sharp it stays, and where it is soft its ramps become steps (`steps`). A small one needs the photo:
+//! sharp it stays, and where it is soft its ramps become steps (`steps`). A small one needs the photo, as does what a net
+//! says of a picture larger than those that it knows; thin parts of that are taken out before and put back after (`thin`):
 //!
 //! 1. Enlarge the map. Where it changes quickly it is uncertain: its edge lies somewhere in there.
 //! 2. Let certain values flow into uncertain ones, stopped by the photo's edges: normalised convolution by the
@@ -13,14 +14,12 @@
 use rayon::prelude::*;
 
 use super::lift::STEP_PX;
-use super::{SynthError, speckles, steps, tips};
+use super::{SynthError, speckles, steps, thin, tips};
 use crate::field::{DisparityMap, Filter, Size, View, resample, sides};
 use crate::job::{Cancel, Cancelled, Job};
 
-/// Enlargement from which on a map that a camera measured is small: its edges are to be found in the photo.
+/// Enlargement from which on a map is small: its edges are to be found in the photo, and no thin parts in it.
 const SMALL: f32 = 2.0;
-/// The same of a net's map, whose edges are soft however large it is.
-const SMALL_OF_NET: f32 = 1.2;
 /// How far a certain value flows over even colour, as a share of the long side.
 const FLOW_SHARE: f32 = 0.05;
 /// A map whose steps rise by this part of them from one pixel to the next is as sharp as it can be drawn.
@@ -48,34 +47,74 @@ const RAMP_OF_MAP: f32 = 3.0;
 /// # Errors
 /// Cancelled; values beyond all measure.
 pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
-    to_guide_from(map, guide, SMALL, job)
+    let small = Small::of(map, guide);
+    let disparity_px = if small.enlarged >= SMALL { small.moved(job)? } else { small.kept(job)? };
+    Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
-/// The same of a net's map at its working scale.
+/// The same of a map by a net that does not know where edges are, however large it is; thin parts of a large one stay.
 ///
 /// # Errors
 /// Those of [`to_guide`].
 pub(super) fn net_to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
-    to_guide_from(map, guide, SMALL_OF_NET, job)
+    let mut small = Small::of(map, guide);
+    if small.enlarged >= SMALL {
+        return Ok(DisparityMap::new(guide.size(), small.moved(job)?)?);
+    }
+    let (behind, mut thin) = thin::taken_out(&small.map, sides(small.size));
+    small.map = behind;
+    thin.step_px = small.at_guide(&thin.step_px);
+    let mut disparity_px = small.moved(job)?;
+    thin.put_back(&mut disparity_px, sides(guide.size()), small.enlarged);
+    Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
-fn to_guide_from(map: &DisparityMap, guide: &View, small_from: f32, job: &Job) -> Result<DisparityMap, SynthError> {
-    let target = guide.size();
-    let ratio = map.scale_to(target);
-    let scaled: Vec<f32> = map.disparity_px().iter().map(|d| d * ratio).collect();
-    let (small, source) = reduced(scaled, map.size(), target);
-    let enlarged = target[0] as f32 / source[0] as f32;
-    let mut disparity_px = resample::<1>(&small, source, target, Filter::Linear);
-    let reach = (RAMP_PX + RAMP_OF_MAP * enlarged) as usize;
-    if enlarged >= small_from {
-        let certain = resample::<1>(&certainty(&small, sides(source)), source, target, Filter::Linear);
-        disparity_px = spread(&disparity_px, &certain, guide, job)?;
-    } else if steps::sharpness(&small, sides(source), reach) < SHARP {
-        steps::settle(&mut disparity_px, guide, reach, job.cancel)?;
+/// A map no larger than its guide.
+struct Small<'a> {
+    /// `[y, x]`, px at the guide's width.
+    map: Vec<f32>,
+    size: Size,
+    guide: &'a View,
+    /// How many pixels of the guide lie along one of the map.
+    enlarged: f32,
+}
+
+impl<'a> Small<'a> {
+    fn of(map: &DisparityMap, guide: &'a View) -> Self {
+        let ratio = map.scale_to(guide.size());
+        let scaled: Vec<f32> = map.disparity_px().iter().map(|d| d * ratio).collect();
+        let (map, size) = reduced(scaled, map.size(), guide.size());
+        Self { map, size, guide, enlarged: guide.size()[0] as f32 / size[0] as f32 }
     }
-    let least = (enlarged * enlarged) as usize;
-    speckles::remove(&mut disparity_px, sides(target), least, |a, b| colour_difference(guide, a, b), job.cancel)?;
-    Ok(DisparityMap::new(target, disparity_px)?)
+
+    /// Values of the map's size at the guide's.
+    fn at_guide(&self, values: &[f32]) -> Vec<f32> {
+        resample::<1>(values, self.size, self.guide.size(), Filter::Linear)
+    }
+
+    /// The map at the guide's size, its edges moved to the photo's.
+    fn moved(&self, job: &Job) -> Result<Vec<f32>, Cancelled> {
+        let certain = self.at_guide(&certainty(&self.map, sides(self.size)));
+        let moved = spread(&self.at_guide(&self.map), &certain, self.guide, job)?;
+        self.without_speckles(moved, job)
+    }
+
+    /// The map at the guide's size, its edges where they are; soft ones become steps.
+    fn kept(&self, job: &Job) -> Result<Vec<f32>, Cancelled> {
+        let mut kept = self.at_guide(&self.map);
+        let reach = (RAMP_PX + RAMP_OF_MAP * self.enlarged) as usize;
+        if steps::sharpness(&self.map, sides(self.size), reach) < SHARP {
+            steps::settle(&mut kept, self.guide, reach, job.cancel)?;
+        }
+        self.without_speckles(kept, job)
+    }
+
+    fn without_speckles(&self, mut map: Vec<f32>, job: &Job) -> Result<Vec<f32>, Cancelled> {
+        let least = (self.enlarged * self.enlarged) as usize;
+        let difference = |a: usize, b: usize| colour_difference(self.guide, a, b);
+        speckles::remove(&mut map, sides(self.guide.size()), least, difference, job.cancel)?;
+        Ok(map)
+    }
 }
 
 /// A map that is larger than its guide at the guide's size. Each pixel takes one of the values under it, no average: a

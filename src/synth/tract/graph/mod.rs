@@ -1,5 +1,6 @@
 //! The ONNX graph as it stands in the file, before tract sees it: what of it is used, and what older exporters wrote.
 
+mod bytes;
 mod halves;
 mod lean;
 mod mend;
@@ -97,6 +98,7 @@ pub(super) fn read(onnx: &tract_onnx::Onnx, file: &OnnxFile) -> Result<(ModelPro
     let mut outside = Outside::default();
     if let Some(graph) = &mut model.graph {
         halves::widen(graph, &mut outside);
+        bytes::widen(graph);
         wiring::connect(graph, file.wiring)?;
     }
     Ok((model, outside))
