@@ -137,12 +137,16 @@ fn working_size(photo: Size, long_side: u32, multiple_of: u32) -> Size {
 /// The sizes at which a net sees a photo, coarse first.
 fn pass_sizes(photo: Size, long_sides: &[u32], multiple_of: u32) -> Vec<Size> {
     let mut sizes: Vec<Size> = long_sides.iter().map(|side| working_size(photo, *side, multiple_of)).collect();
-    sizes.dedup_by(|finer, coarse| (finer[0] as f32) < LARGER * coarse[0] as f32);
+    sizes.dedup_by(|finer, coarse| long_side(*finer) < LARGER * long_side(*coarse));
     sizes
 }
 
 fn sees_all(photo: Size, passes: &[Size]) -> bool {
-    passes.first().is_some_and(|first| (photo[0] as f32) < ALL * first[0] as f32)
+    passes.first().is_some_and(|first| long_side(photo) < ALL * long_side(*first))
+}
+
+fn long_side(size: Size) -> f32 {
+    size[0].max(size[1]) as f32
 }
 
 /// What turns the net's disparities into pixels of its picture's width: they are pixels of the picture without
@@ -215,6 +219,7 @@ mod tests {
         let seen = |photo: Size| pass_sizes(photo, &[192, 540], 16);
         assert_eq!(seen([4000, 3000]), [[192, 144], [544, 400]]);
         assert_eq!(seen([270, 180]), [[192, 128]]);
+        assert_eq!(seen([3, 5000]), [[16, 192], [16, 544]], "the long side counts");
         assert_eq!(seen([100, 75]).len(), 1);
         let all = [[176, 132], [270, 180], [540, 405]].map(|photo| sees_all(photo, &seen(photo)));
         assert_eq!(all, [true, false, false], "the first pass knows where edges are");
