@@ -76,8 +76,12 @@ impl DepthNet {
 
     /// Whether its first pass sees nearly all pixels of a photo of this size, and so knows where the edges are.
     pub(super) fn sees_all_of(&self, photo: Size) -> bool {
+        sees_all(photo, &self.pass_sizes(photo))
+    }
+
+    fn pass_sizes(&self, photo: Size) -> Vec<Size> {
         let manifest = self.net.manifest();
-        sees_all(photo, &pass_sizes(photo, manifest.working_long_side.as_slice(), manifest.multiple_of))
+        pass_sizes(photo, manifest.working_long_side.as_slice(), manifest.multiple_of)
     }
 
     /// Ray depths of all views at the finest working scale of the manifest.
@@ -95,9 +99,9 @@ impl DepthNet {
 
     /// All passes in one, of some of the views. A photo that is hardly larger than a pass before saw it is not seen again.
     fn passes(&self, photo: &View, layers: Range<usize>, threads: usize, job: &Job) -> Result<Pass, SynthError> {
-        let manifest = self.net.manifest();
-        let sizes = pass_sizes(photo.size(), manifest.working_long_side.as_slice(), manifest.multiple_of);
-        let none = || ModelError::Manifest { place: manifest.id.clone(), why: "no working scale".to_owned() };
+        let sizes = self.pass_sizes(photo.size());
+        let id = &self.net.manifest().id;
+        let none = || ModelError::Manifest { place: id.clone(), why: "no working scale".to_owned() };
         let (&first, finer) = sizes.split_first().ok_or_else(none)?;
         // A net knows nothing of its picture's size: what it says of a larger one is as deep as if it were of the first one's.
         let pass = |size: Size| {
@@ -152,9 +156,7 @@ fn long_side(size: Size) -> f32 {
 /// What turns the net's disparities into pixels of its picture's width: they are pixels of the picture without
 /// stretch, whose long side it keeps.
 fn width_unit(photo: Size, size: Size) -> f32 {
-    let long = |size: [f32; 2]| size[0].max(size[1]);
-    let [photo, size] = [photo, size].map(|size| size.map(|side| side as f32));
-    size[0] / photo[0] * (long(photo) / long(size))
+    disparity_scale(photo, size) * (long_side(photo) / long_side(size))
 }
 
 /// The channels that a net asks for, `[c, y, x]`.

@@ -57,15 +57,8 @@ pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<Disparity
 /// # Errors
 /// Those of [`to_guide`].
 pub(super) fn net_to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
-    let mut small = Small::of(map, guide);
-    if small.enlarged >= SMALL {
-        return Ok(DisparityMap::new(guide.size(), small.moved(job)?)?);
-    }
-    let (behind, mut thin) = thin::taken_out(&small.map, sides(small.size));
-    small.map = behind;
-    thin.step_px = small.at_guide(&thin.step_px);
-    let mut disparity_px = small.moved(job)?;
-    thin.put_back(&mut disparity_px, sides(guide.size()), small.enlarged);
+    let small = Small::of(map, guide);
+    let disparity_px = if small.enlarged >= SMALL { small.moved(job)? } else { small.moved_behind_thin(job)? };
     Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
@@ -97,6 +90,15 @@ impl<'a> Small<'a> {
         let certain = self.at_guide(&certainty(&self.map, sides(self.size)));
         let moved = spread(&self.at_guide(&self.map), &certain, self.guide, job)?;
         self.without_speckles(moved, job)
+    }
+
+    /// The same, but for thin parts, which stay where they are.
+    fn moved_behind_thin(mut self, job: &Job) -> Result<Vec<f32>, Cancelled> {
+        let (behind, step_px) = thin::taken_out(&self.map, sides(self.size));
+        self.map = behind;
+        let mut moved = self.moved(job)?;
+        thin::put_back(&mut moved, &self.at_guide(&step_px), sides(self.guide.size()), self.enlarged);
+        Ok(moved)
     }
 
     /// The map at the guide's size, its edges where they are; soft ones become steps.

@@ -1,6 +1,5 @@
 //! What can go wrong between an ONNX file and its answer.
 
-use tract_onnx::pb::{ModelProto, TensorProto, tensor_proto::DataType};
 use tract_onnx::prelude::TractError;
 
 /// A net could not be made ready or run.
@@ -118,18 +117,4 @@ impl EngineError {
 /// The whole chain of causes in one line.
 fn one_line(source: &TractError) -> String {
     format!("{source:#}").split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// Refuses a model with a weight that is NaN or infinite.
-pub(super) fn check_weights(model: &ModelProto) -> Result<(), EngineError> {
-    let weights = model.graph.iter().flat_map(|graph| &graph.initializer);
-    match weights.into_iter().find(|tensor| !is_finite(tensor)) {
-        Some(tensor) => Err(EngineError::NotFinite { name: tensor.name.clone() }),
-        None => Ok(()),
-    }
-}
-
-fn is_finite(tensor: &TensorProto) -> bool {
-    let raw = tensor.raw_data.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    tensor.data_type != DataType::Float as i32 || tensor.float_data.iter().copied().chain(raw).all(f32::is_finite)
 }

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use tract_onnx::pb::tensor_proto::DataType;
 use tract_onnx::pb::{GraphProto, NodeProto, TensorProto};
 
+use super::floats;
+
 /// Turns weights that one `DequantizeLinear` without zero point reads into its result; all others are left to tract.
 pub(super) fn widen(graph: &mut GraphProto) {
     let mut readers: BTreeMap<String, usize> = BTreeMap::new();
@@ -27,16 +29,14 @@ pub(super) fn widen(graph: &mut GraphProto) {
 /// What a node gives, as weights of its name; none where it is another operation, or where they are kept in another way.
 fn widened(node: &NodeProto, kept: &TensorProto, steps: &TensorProto) -> Option<TensorProto> {
     let is_plain = node.op_type == "DequantizeLinear" && node.input.len() == 2 && node.output.len() == 1;
-    let types = [kept, steps].map(|tensor| tensor.data_type);
-    if !is_plain || types != [DataType::Int8 as i32, DataType::Float as i32] {
+    if !is_plain || kept.data_type != DataType::Int8 as i32 {
         return None;
     }
     let axis = node.attribute.iter().find(|attribute| attribute.name == "axis").map_or(1, |axis| axis.i);
     let lengths: Vec<usize> = kept.dims.iter().map(|&n| usize::try_from(n).ok()).collect::<Option<_>>()?;
     let (channels, each) = lengths.get(usize::try_from(axis).ok()?..)?.split_first()?;
     let each: usize = each.iter().product();
-    let steps: Vec<f32> =
-        steps.raw_data.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let steps: Vec<f32> = floats(steps)?.collect();
     if steps.len() != *channels || kept.raw_data.len() != lengths.iter().product::<usize>() {
         return None;
     }

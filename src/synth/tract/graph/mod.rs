@@ -14,7 +14,7 @@ pub mod tests;
 use std::ffi::OsStr;
 use std::path::{Component, Path};
 
-use tract_onnx::pb::tensor_proto::DataLocation;
+use tract_onnx::pb::tensor_proto::{DataLocation, DataType};
 use tract_onnx::pb::{GraphProto, ModelProto, TensorProto, ValueInfoProto, type_proto, type_proto::Value};
 use tract_onnx::prelude::Framework;
 
@@ -22,7 +22,7 @@ use outside::Outside;
 pub use signs::{Port, Scale, Signs};
 pub use wiring::Wiring;
 
-use super::error::{self, EngineError};
+use super::error::EngineError;
 
 /// Where an ONNX file is.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +92,7 @@ impl OnnxBytes<'_> {
 pub(super) fn read(onnx: &tract_onnx::Onnx, file: &OnnxFile) -> Result<(ModelProto, Outside), EngineError> {
     let mut model = file.bytes.decoded(onnx)?;
     check_externals(&model, file)?;
-    error::check_weights(&model)?;
+    check_weights(&model)?;
     mend::all(&mut model);
     check_operators(onnx, &model)?;
     let mut outside = Outside::default();
@@ -102,6 +102,22 @@ pub(super) fn read(onnx: &tract_onnx::Onnx, file: &OnnxFile) -> Result<(ModelPro
         wiring::connect(graph, file.wiring)?;
     }
     Ok((model, outside))
+}
+
+/// Refuses a model with a weight that is NaN or infinite.
+fn check_weights(model: &ModelProto) -> Result<(), EngineError> {
+    let is_finite = |tensor: &&TensorProto| floats(tensor).is_none_or(|mut values| values.all(f32::is_finite));
+    let weights = model.graph.iter().flat_map(|graph| &graph.initializer);
+    match weights.into_iter().find(|tensor| !is_finite(tensor)) {
+        Some(tensor) => Err(EngineError::NotFinite { name: tensor.name.clone() }),
+        None => Ok(()),
+    }
+}
+
+/// The values of a tensor of f32, in whichever of the two ways the file keeps them; none of one of another type.
+fn floats(tensor: &TensorProto) -> Option<impl Iterator<Item = f32> + '_> {
+    let raw = tensor.raw_data.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    (tensor.data_type == DataType::Float as i32).then(|| tensor.float_data.iter().copied().chain(raw))
 }
 
 /// What a file says of itself: inputs, outputs and the signs that families of nets are told by.

@@ -6,7 +6,7 @@ use tract_onnx::pb::tensor_proto::DataType;
 use tract_onnx::pb::tensor_shape_proto::dimension;
 use tract_onnx::pb::{GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto};
 
-use super::{externals, tensor_type};
+use super::{externals, floats, tensor_type};
 
 /// What a net says of itself without being run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -130,11 +130,7 @@ impl<'a> Known<'a> {
     fn numbers(&self, name: &str) -> Option<Vec<f32>> {
         let tensor = self.weights.get(name)?;
         let count: i64 = tensor.dims.iter().product();
-        if tensor.data_type != DataType::Float as i32 || count > 16 {
-            return None;
-        }
-        let raw = tensor.raw_data.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        Some(tensor.float_data.iter().copied().chain(raw).collect())
+        if count > 16 { None } else { Some(floats(tensor)?.collect()) }
     }
 
     /// The constant that an operation takes beside a value that is made.
