@@ -18,6 +18,12 @@ const CELL_PX: u32 = 4;
 /// How many times as large as the pass before another one is at least: with 1.4, what it says is no better.
 const LARGER: f32 = 1.5;
 
+/// The share of a layout that is taken over from the pass before.
+const ALL_OF_IT: f32 = 1.0;
+
+/// The share that is taken over from what the net says of the mirrored photo: both know the same.
+const HALF: f32 = 0.5;
+
 /// How many times as large as the first pass a photo is at most of which that pass sees all.
 const ALL: f32 = 1.2;
 
@@ -49,6 +55,13 @@ impl NetDepths {
         let layer = self.grid.layer_from_view(self.grid.reference());
         DisparityMap::new(self.size, self.layer(layer).to_vec())
     }
+}
+
+/// One run of the net: how large it sees the photo, and whether mirrored.
+#[derive(Clone, Copy)]
+struct Look {
+    size: Size,
+    is_mirrored: bool,
 }
 
 /// Maps of one pass, `[layer, y, x]`, pixels per view step at width `size[0]`.
@@ -84,6 +97,16 @@ impl DepthNet {
         pass_sizes(photo, manifest.working_long_side.as_slice(), manifest.multiple_of)
     }
 
+    /// The runs of the net that ray depths come from, the first pass before all.
+    fn looks(&self, photo: Size) -> Vec<Look> {
+        let manifest = self.net.manifest();
+        let mirrored = manifest.mirrored_long_side.map(|side| working_size(photo, side, manifest.multiple_of));
+        let mut looks: Vec<_> =
+            self.pass_sizes(photo).into_iter().map(|size| Look { size, is_mirrored: false }).collect();
+        looks.splice(1..1, mirrored.map(|size| Look { size, is_mirrored: true }));
+        looks
+    }
+
     /// Ray depths of all views at the finest working scale of the manifest.
     pub(super) fn estimate(&self, photo: &View, threads: usize, job: &Job) -> Result<NetDepths, SynthError> {
         let Pass { size, maps } = self.passes(photo, 0..self.grid.count(), threads, job)?;
@@ -99,37 +122,55 @@ impl DepthNet {
 
     /// All passes in one, of some of the views. A photo that is hardly larger than a pass before saw it is not seen again.
     fn passes(&self, photo: &View, layers: Range<usize>, threads: usize, job: &Job) -> Result<Pass, SynthError> {
-        let sizes = self.pass_sizes(photo.size());
+        let looks = self.looks(photo.size());
         let id = &self.net.manifest().id;
         let none = || ModelError::Manifest { place: id.clone(), why: "no working scale".to_owned() };
-        let (&first, finer) = sizes.split_first().ok_or_else(none)?;
+        let (&first, further) = looks.split_first().ok_or_else(none)?;
+        let shapes: Vec<_> = looks.iter().map(|look| self.input_shape(look.size)).collect();
+        self.net.make_ready(&shapes, threads, job.cancel);
         // A net knows nothing of its picture's size: what it says of a larger one is as deep as if it were of the first one's.
-        let pass = |size: Size| {
-            let mut maps = self.said_of(photo, size, layers.clone(), threads, job)?;
-            let unit = width_unit(photo.size(), first) * disparity_scale(first, size);
+        let pass = |look: Look| {
+            let mut maps = self.said_of(photo, look, layers.clone(), threads, job)?;
+            let unit = width_unit(photo.size(), first.size) * disparity_scale(first.size, look.size);
             maps.iter_mut().for_each(|d| *d *= unit);
-            Ok::<_, SynthError>(Pass { size, maps })
+            Ok::<_, SynthError>(Pass { size: look.size, maps })
         };
-        finer.iter().try_fold(pass(first)?, |coarse, &size| Ok(with_layout_of(pass(size)?, &coarse)))
+        further.iter().try_fold(pass(first)?, |before, &look| {
+            let next = pass(look)?;
+            Ok(match look.is_mirrored {
+                true => with_layout_of(before, &next, HALF),
+                false => with_layout_of(next, &before, ALL_OF_IT),
+            })
+        })
     }
 
-    /// What the net says of the photo at this size, `[layer, y, x]`.
+    fn input_shape(&self, size: Size) -> Vec<usize> {
+        let [w, h] = sides(size);
+        vec![1, self.net.manifest().input_channels(), h, w]
+    }
+
+    /// What the net says of the photo as it sees it, `[layer, y, x]`; of a mirrored one, mirrored back.
     fn said_of(
         &self,
         photo: &View,
-        size: Size,
+        Look { size, is_mirrored }: Look,
         layers: Range<usize>,
         threads: usize,
         job: &Job,
     ) -> Result<Vec<f32>, SynthError> {
-        let manifest = self.net.manifest();
         // As soft as the pictures that the trainer shows its nets: sharper ones cost 0.005 of rank correlation.
-        let input = net_input(&Signed::resized(photo, size, Filter::Linear), &manifest.inputs);
-        let [w, h] = sides(size);
-        let shape = [1, manifest.input_channels(), h, w];
-        let output = self.net.run(&shape, &input, threads, job.cancel)?;
+        let mut seen = Signed::resized(photo, size, Filter::Linear);
+        if is_mirrored {
+            seen = mirrored(&seen);
+        }
+        let input = net_input(&seen, &self.net.manifest().inputs);
+        let output = self.net.run(&self.input_shape(size), &input, threads, job.cancel)?;
         let plane = pixels(size);
-        Ok(output.iter().skip(layers.start * plane).take(layers.len() * plane).copied().collect())
+        let mut maps: Vec<f32> = output.iter().skip(layers.start * plane).take(layers.len() * plane).copied().collect();
+        if is_mirrored {
+            maps.chunks_exact_mut(sides(size)[0]).for_each(<[f32]>::reverse);
+        }
+        Ok(maps)
     }
 }
 
@@ -176,19 +217,24 @@ fn net_input(photo: &Signed, channels: &[Channels]) -> Vec<f32> {
     input
 }
 
-/// The fine maps' detail on the coarse maps' layout, which is what both say of cells of some pixels.
-fn with_layout_of(fine: Pass, coarse: &Pass) -> Pass {
-    let ratio = disparity_scale(coarse.size, fine.size);
-    let cells = coarse.size.map(|side| side.div_ceil(CELL_PX));
-    let planes = fine.maps.chunks_exact(pixels(fine.size)).zip(coarse.maps.chunks_exact(pixels(coarse.size)));
-    let merged = planes.flat_map(|(fine_map, coarse_map)| {
-        let in_fine = resample::<1>(fine_map, fine.size, cells, Filter::Linear);
-        let in_coarse = resample::<1>(coarse_map, coarse.size, cells, Filter::Linear);
-        let change: Vec<f32> = in_coarse.iter().zip(&in_fine).map(|(c, f)| c * ratio - f).collect();
-        let change = resample::<1>(&change, cells, fine.size, Filter::Linear);
-        fine_map.iter().zip(change).map(|(f, c)| f + c).collect::<Vec<f32>>()
+fn mirrored(photo: &Signed) -> Signed {
+    let [w, _] = photo.sides();
+    Signed::from_fn(photo.size(), |x, y| photo.at(w - 1 - x, y))
+}
+
+/// The detail of `own` maps, and so much of the layout of others, which is what both say of cells of some pixels.
+fn with_layout_of(own: Pass, layout: &Pass, share: f32) -> Pass {
+    let ratio = disparity_scale(layout.size, own.size);
+    let cells = layout.size.map(|side| side.div_ceil(CELL_PX));
+    let planes = own.maps.chunks_exact(pixels(own.size)).zip(layout.maps.chunks_exact(pixels(layout.size)));
+    let merged = planes.flat_map(|(own_map, layout_map)| {
+        let in_own = resample::<1>(own_map, own.size, cells, Filter::Linear);
+        let in_layout = resample::<1>(layout_map, layout.size, cells, Filter::Linear);
+        let change: Vec<f32> = in_layout.iter().zip(&in_own).map(|(l, o)| share * (l * ratio - o)).collect();
+        let change = resample::<1>(&change, cells, own.size, Filter::Linear);
+        own_map.iter().zip(change).map(|(o, c)| o + c).collect::<Vec<f32>>()
     });
-    Pass { maps: merged.collect(), size: fine.size }
+    Pass { maps: merged.collect(), size: own.size }
 }
 
 #[cfg(test)]
@@ -196,6 +242,43 @@ mod tests {
     use glam::Vec4;
 
     use super::*;
+    use crate::job::Cancel;
+    use crate::synth::library::sha256;
+    use crate::synth::tract::graph_tests::{DataType, Graph};
+    use crate::synth::{LongSides, Manifest, ModelBytes};
+
+    /// A net that answers how far to the right a pixel lies, −1 … 1.
+    fn columns(mirrored_long_side: Option<u32>) -> DepthNet {
+        let graph = Graph::new(13)
+            .input("x", DataType::Float, &[Some(1), Some(2), None, None])
+            .weights("w", &[1, 2, 1, 1], &[0.0, 1.0])
+            .node("Conv", &["x", "w"], &["y"], vec![])
+            .output("y");
+        let bytes: &[u8] = graph.bytes().leak();
+        let manifest = Manifest {
+            sha256: sha256(bytes),
+            views: [1, 1],
+            inputs: vec![Channels::Yx],
+            working_long_side: LongSides::One(64),
+            mirrored_long_side,
+            ..Manifest::default()
+        };
+        let onnx = ModelBytes::Embedded(bytes);
+        DepthNet::load(ModelFile { manifest, onnx, bytes: 0, folder: None, place: String::new() }).unwrap()
+    }
+
+    #[test]
+    fn what_is_said_of_the_mirrored_photo_is_mirrored_back() {
+        let (photo, cancel) = (View::new([64, 48], vec![90; 64 * 48 * 4]).unwrap(), Cancel::default());
+        let row = |net: DepthNet| {
+            let map = net.reference(&photo, 1, &Job { cancel: &cancel, sink: &() }).unwrap();
+            map.disparity_px()[..64].to_vec()
+        };
+        let (once, twice) = (row(columns(None)), row(columns(Some(48))));
+        assert!(once[4] < -0.8 && once[59] > 0.8, "{once:?}");
+        // At the row's ends cells say less than pixels do.
+        assert!(twice[4..60].iter().all(|d| d.abs() < 0.02), "the mean of opposites is nothing: {twice:?}");
+    }
 
     #[test]
     fn coordinates_run_from_minus_one_to_one_over_the_picture() {
@@ -228,6 +311,20 @@ mod tests {
     }
 
     #[test]
+    fn a_mirrored_picture_starts_with_the_other_end_of_each_row() {
+        let photo = mirrored(&Signed::from_fn([3, 2], |x, y| Vec4::splat((y * 3 + x) as f32)));
+        assert_eq!(photo.pixels().iter().map(|pixel| pixel.x).collect::<Vec<_>>(), [2.0, 1.0, 0.0, 5.0, 4.0, 3.0]);
+    }
+
+    #[test]
+    fn half_of_a_layout_is_the_mean_of_both() {
+        let flat = |size: Size, d: f32| Pass { size, maps: vec![d; pixels(size)] };
+        let merged = with_layout_of(flat([64, 32], 1.0), &flat([32, 16], 0.1), HALF);
+        // As wide again, 0.1 px are 0.2.
+        assert!(merged.maps.iter().all(|d| (d - 0.6).abs() < 1e-6), "{:?}", merged.maps[0]);
+    }
+
+    #[test]
     fn disparities_are_those_of_the_picture_without_stretch() {
         // Landscape: the width is the long side. Portrait: the net saw a width of 80 where 85⅓ had been right.
         assert!((width_unit([3000, 2000], [112, 80]) - 1.0).abs() < 1e-6);
@@ -240,7 +337,7 @@ mod tests {
         let post = |x: u32| if x == 32 || x == 33 { 0.5 } else { 0.0 };
         let fine = Pass { size: [64, 32], maps: (0..64 * 32).map(|i| post(i % 64)).collect() };
         let coarse = Pass { size: [32, 16], maps: (0..32 * 16).map(|i| (i % 32) as f32 * 0.01).collect() };
-        let merged = with_layout_of(fine, &coarse);
+        let merged = with_layout_of(fine, &coarse, ALL_OF_IT);
         let at = |x: usize| merged.maps[16 * 64 + x];
         assert!(
             (at(32) - at(28) - 0.5).abs() < 0.06 && (at(33) - at(37) - 0.5).abs() < 0.06,

@@ -227,6 +227,10 @@ pub struct Manifest {
     /// Long side, in pixels, at which it works: of the depth net always, of the occlusion net at most.
     #[serde(default = "default_long_sides")]
     pub working_long_side: LongSides,
+    /// Of a depth net, the long side at which it sees the photo once more, mirrored: what is broad is the mean of its
+    /// first pass and this one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mirrored_long_side: Option<u32>,
     /// Its input's sides are multiples of this: the photo is stretched to the nearest.
     #[serde(default = "default_multiple")]
     pub multiple_of: u32,
@@ -258,6 +262,11 @@ fn default_multiple() -> u32 {
     1
 }
 
+/// Whether a net may see a picture with a side as long.
+fn is_side(side: u32) -> bool {
+    (16..=8192).contains(&side)
+}
+
 impl Default for Manifest {
     fn default() -> Self {
         Self {
@@ -271,6 +280,7 @@ impl Default for Manifest {
             views: paper_views(),
             inputs: only_rgb(),
             working_long_side: default_long_sides(),
+            mirrored_long_side: None,
             multiple_of: default_multiple(),
             disparity_range_px: None,
             ray_depths: RayDepthsFrom::default(),
@@ -322,17 +332,25 @@ impl Manifest {
             (self.sha256.len() != 64, "sha256 must have 64 hexadecimal digits"),
             (self.inputs.is_empty(), "inputs must name at least one of rgb, yx"),
             (sides.is_empty(), "working_long_side must name at least one size"),
-            (sides.iter().any(|side| !(16..=8192).contains(side)), "working_long_side must be 16 to 8192 pixels"),
+            (sides.iter().any(|side| !is_side(*side)), "working_long_side must be 16 to 8192 pixels"),
+            (
+                self.mirrored_long_side.is_some_and(|side| !is_side(side)),
+                "mirrored_long_side must be 16 to 8192 pixels",
+            ),
+            (
+                self.mirrored_long_side.is_some() && self.ray_depths == RayDepthsFrom::Net,
+                "mirrored_long_side is for the reference view alone, not for ray_depths = \"net\"",
+            ),
             (!(1..=256).contains(&self.multiple_of), "multiple_of must be 1 to 256"),
             (self.disparity_range_px.is_some_and(bad_range), "disparity_range_px must be [least, greatest]"),
             (rules.mean.iter().any(|m| !m.is_finite()), "relative.mean must be three numbers"),
             (rules.std.iter().any(|s| !(*s > 0.0 && s.is_finite())), "relative.std must be positive"),
             (
-                rules.input_size != [0, 0] && rules.input_size.iter().any(|side| !(16..=8192).contains(side)),
+                rules.input_size != [0, 0] && rules.input_size.iter().any(|side| !is_side(*side)),
                 "relative.input_size must be [width, height] of 16 to 8192 pixels, or [0, 0] for any size",
             ),
             (
-                rules.short_side != 0 && !(16..=8192).contains(&rules.short_side),
+                rules.short_side != 0 && !is_side(rules.short_side),
                 "relative.short_side must be 16 to 8192 pixels, or 0",
             ),
             (
@@ -373,6 +391,8 @@ mod tests {
             ("multiple_of = 0", "multiple_of"),
             ("views = [0, 8]", "1 to 17"),
             ("working_long_side = []", "working_long_side"),
+            ("mirrored_long_side = 8", "mirrored_long_side"),
+            ("mirrored_long_side = 144\nray_depths = \"net\"", "reference view"),
             ("disparity_range_px = [4, -4]", "disparity_range_px"),
             ("inputs = [\"rgb\", \"lab\"]", "lab"),
             ("[relative]\nstd = [1, 0, 1]", "std"),

@@ -1,14 +1,15 @@
 //! A model that keeps itself warm: made ready once a shape, run many times.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 use super::tract::{EngineError, Options, Output, Runnable, SharedWeights, Wiring, prepare_file};
 use super::{Manifest, ModelError, ModelFile, SynthError};
 use crate::job::{Cancel, Cancelled};
 use crate::kernel::winograd::VolumeChain;
 
-/// Shapes that are kept ready at most; the oldest goes first.
-const WARM_SHAPES: usize = 8;
+/// Shapes that are kept ready at most; the oldest goes first. A photo may need three.
+const WARM_SHAPES: usize = 12;
 /// Bytes of a net from which on one shape is kept ready: before the next one is, its weights are unpacked again.
 const HEAVY_BYTES: u64 = 512 << 20;
 /// Side of the small picture that a model is tried with when it is loaded.
@@ -20,8 +21,15 @@ pub(super) struct Net {
     wiring: Wiring,
     /// The net for every size, where it is that simple.
     chain: Option<VolumeChain>,
-    warm: Mutex<Vec<(usize, Runnable)>>,
+    warm: Mutex<Vec<Warm>>,
     weights: SharedWeights,
+}
+
+/// The net for one shape and number of threads; whoever asks while it is made ready waits for it.
+struct Warm {
+    shape: Vec<usize>,
+    threads: usize,
+    net: Arc<Mutex<Option<Runnable>>>,
 }
 
 impl Net {
@@ -98,21 +106,47 @@ impl Net {
         Err(ModelError::NotFinite { id: self.manifest().id.clone(), place: self.file.place.clone() }.into())
     }
 
+    /// Makes it ready for several shapes beside each other: each takes one thread, whatever `threads` are.
+    pub(super) fn make_ready(&self, shapes: &[Vec<usize>], threads: usize, cancel: &Cancel) {
+        if threads == 1 || shapes.len() < 2 || self.is_heavy() {
+            return;
+        }
+        // What fails here fails again where it is run, and is told there.
+        thread::scope(|scope| shapes.iter().for_each(|shape| drop(scope.spawn(|| self.ready(shape, threads, cancel)))));
+    }
+
     fn ready(&self, shape: &[usize], threads: usize, cancel: &Cancel) -> Result<Runnable, SynthError> {
-        let mut warm = self.warm.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, net)) = warm.iter().find(|(n, net)| *n == threads && net.input_shape() == shape) {
+        let mut warm = locked(&self.warm);
+        let place = self.place(&mut warm, shape, threads);
+        // So that a large net is never in memory twice.
+        let _alone = self.is_heavy().then_some(warm);
+        let mut place = locked(&place);
+        if let Some(net) = &*place {
             return Ok(net.clone());
         }
-        let kept = if self.file.bytes > HEAVY_BYTES { 0 } else { WARM_SHAPES - 1 };
-        // Before the next one comes, so that a large net is never in memory twice.
-        let gone = warm.len().saturating_sub(kept);
-        warm.drain(..gone);
         self.file.check()?;
         let (weights, cancel) = (self.weights.clone(), cancel.clone());
         let options = Options { threads, weights, cancel, ..Options::default() };
         let net = prepare_file(&self.file.onnx(&self.wiring), shape, &options).map_err(|error| self.synth(error))?;
-        warm.push((threads, net.clone()));
+        *place = Some(net.clone());
         Ok(net)
+    }
+
+    /// Where the net for a shape is kept; others make room for it before it comes.
+    fn place(&self, warm: &mut Vec<Warm>, shape: &[usize], threads: usize) -> Arc<Mutex<Option<Runnable>>> {
+        if let Some(held) = warm.iter().find(|held| held.threads == threads && held.shape == shape) {
+            return Arc::clone(&held.net);
+        }
+        let kept = if self.is_heavy() { 0 } else { WARM_SHAPES - 1 };
+        let gone = warm.len().saturating_sub(kept);
+        warm.drain(..gone);
+        let net = Arc::default();
+        warm.push(Warm { shape: shape.to_vec(), threads, net: Arc::clone(&net) });
+        net
+    }
+
+    fn is_heavy(&self) -> bool {
+        self.file.bytes > HEAVY_BYTES
     }
 
     fn synth(&self, error: EngineError) -> SynthError {
@@ -130,5 +164,61 @@ impl Net {
     fn shape(&self, got: &[usize], want: &[usize]) -> ModelError {
         let (got, want) = (format!("{got:?}"), format!("{want:?}"));
         ModelError::Shape { id: self.manifest().id.clone(), place: self.file.place.clone(), got, want }
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synth::ModelBytes;
+    use crate::synth::library::sha256;
+    use crate::synth::tract::graph_tests::{DataType, Graph, PICTURE};
+
+    /// A net that answers red, of a file of so many bytes as it says.
+    fn red(bytes: u64) -> Net {
+        let graph = Graph::new(13)
+            .input("x", DataType::Float, &PICTURE)
+            .weights("w", &[1, 3, 1, 1], &[1.0, 0.0, 0.0])
+            .node("Conv", &["x", "w"], &["y"], vec![])
+            .output("y");
+        let onnx: &[u8] = graph.bytes().leak();
+        let manifest = Manifest { sha256: sha256(onnx), ..Manifest::default() };
+        let onnx = ModelBytes::Embedded(onnx);
+        Net::unchecked(ModelFile { manifest, onnx, bytes, folder: None, place: String::new() })
+    }
+
+    fn ready(net: &Net) -> Vec<usize> {
+        let warm = locked(&net.warm);
+        let mut widths: Vec<_> = warm.iter().filter(|w| locked(&w.net).is_some()).map(|w| w.shape[3]).collect();
+        widths.sort_unstable();
+        widths
+    }
+
+    #[test]
+    fn several_shapes_are_ready_before_the_first_is_run() {
+        let shapes = [4, 8, 16].map(|width| vec![1, 3, 1, width]);
+        let net = red(100);
+        net.make_ready(&shapes, 2, &Cancel::default());
+        assert_eq!(ready(&net), [4, 8, 16]);
+        let input: Vec<f32> = (0..12).map(|i| i as f32).collect();
+        let output = net.run(&shapes[0], &input, 2, &Cancel::default()).unwrap();
+        assert_eq!(output[..], [0.0, 1.0, 2.0, 3.0]);
+        assert_eq!(ready(&net), [4, 8, 16], "none is made twice");
+    }
+
+    #[test]
+    fn of_a_large_net_one_shape_is_kept() {
+        let shapes = [4, 8].map(|width| vec![1, 3, 1, width]);
+        let net = red(HEAVY_BYTES + 1);
+        net.make_ready(&shapes, 2, &Cancel::default());
+        assert_eq!(ready(&net), [0; 0], "they would be in memory together");
+        for shape in &shapes {
+            net.run(shape, &vec![0.5; 3 * shape[3]], 2, &Cancel::default()).unwrap();
+        }
+        assert_eq!(ready(&net), [8]);
     }
 }
