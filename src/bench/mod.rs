@@ -80,6 +80,8 @@ pub struct SizeReport {
     pub peak_gflops: f64,
     /// `gflop` per second of the total, as a share of the peak.
     pub share_of_peak: f64,
+    /// The depth net's operations per second of its own stage, as a share of the peak.
+    pub depth_share_of_peak: f64,
     /// Peak memory of a process that ran only this size, MiB; `None` where nobody measured it.
     pub peak_rss_mib: Option<f64>,
 }
@@ -211,6 +213,7 @@ impl Runner {
             ratio: onnxruntime_seconds.map(|other| other.total / seconds.total),
             peak_gflops,
             share_of_peak: gflop / seconds.total / peak_gflops,
+            depth_share_of_peak: self.nets.depth_flop() / 1e9 / seconds.depth / peak_gflops,
             peak_rss_mib: None,
         }
     }
@@ -308,6 +311,7 @@ mod tests {
             ratio: None,
             peak_gflops: 200.0,
             share_of_peak: 0.7,
+            depth_share_of_peak: 0.8,
             peak_rss_mib: None,
         };
         let report = Report { machine: "a machine".into(), sizes: vec![size] };
@@ -315,10 +319,10 @@ mod tests {
         let size = &json["sizes"][0];
         assert_eq!(json["machine"], "a machine");
         assert_eq!((&size["width"], &size["views"][1]), (&270.into(), &8.into()));
-        for key in ["gflop", "seconds", "onnxruntime_seconds", "ratio", "peak_gflops", "share_of_peak", "peak_rss_mib"]
-        {
+        for key in ["gflop", "seconds", "onnxruntime_seconds", "ratio", "peak_gflops", "peak_rss_mib"] {
             assert!(size.get(key).is_some(), "{key}");
         }
+        assert_eq!((&size["share_of_peak"], &size["depth_share_of_peak"]), (&0.7.into(), &0.8.into()));
         for key in ["depth", "warp", "occlusion", "total"] {
             assert!(size["seconds"].get(key).is_some(), "{key}");
         }

@@ -66,10 +66,15 @@ impl Nets {
         [self.grid.rows(), self.grid.cols()]
     }
 
+    /// Useful operations of the depth net.
+    pub(super) fn depth_flop(&self) -> f64 {
+        self.depth.flop()
+    }
+
     /// Useful operations of both nets over the whole picture; the halo of the strips does not count.
     pub(super) fn flop(&self) -> f64 {
         let strip = self.occlusion.as_ref().map_or(0.0, Runnable::flop);
-        self.depth.flop() + strip * self.size[1] as f64 / self.strip_rows as f64
+        self.depth_flop() + strip * self.size[1] as f64 / self.strip_rows as f64
     }
 
     /// The input shape of the depth net, and of the occlusion net over the whole picture.

@@ -75,7 +75,7 @@ fn describe(report: &Report) -> String {
         let s = &size.seconds;
         lines.push(format!(
             "{}×{}×{}×{}  {:.3} s = depth {:.3} + warp {:.3} + occlusion {:.3};  \
-             {:.1} µs a pixel, {:.0} GFLOP, {:.0} % of {:.0} GFLOP/s",
+             {:.1} µs a pixel, {:.0} GFLOP, {:.0} % of {:.0} GFLOP/s (the depth net {:.0} %)",
             size.width,
             size.height,
             size.views[0],
@@ -88,6 +88,7 @@ fn describe(report: &Report) -> String {
             size.gflop,
             size.share_of_peak * 100.0,
             size.peak_gflops,
+            size.depth_share_of_peak * 100.0,
         ));
         if let (Some(other), Some(ratio)) = (&size.onnxruntime_seconds, size.ratio) {
             let (depth, occlusion) = (other.depth, other.occlusion);

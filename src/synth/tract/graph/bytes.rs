@@ -6,10 +6,12 @@ use std::collections::BTreeMap;
 use tract_onnx::pb::tensor_proto::DataType;
 use tract_onnx::pb::{GraphProto, NodeProto, TensorProto};
 
-use super::floats;
+use super::outside::{Narrow, Outside, number};
+use super::{floats, location};
 
 /// Turns weights that one `DequantizeLinear` without zero point reads into its result; all others are left to tract.
-pub(super) fn widen(graph: &mut GraphProto) {
+/// `outside` hears of those in files.
+pub(super) fn widen(graph: &mut GraphProto, outside: &mut Outside) {
     let mut readers: BTreeMap<String, usize> = BTreeMap::new();
     graph.node.iter().flat_map(|node| &node.input).for_each(|name| *readers.entry(name.clone()).or_default() += 1);
     let weights = &mut graph.initializer;
@@ -18,16 +20,16 @@ pub(super) fn widen(graph: &mut GraphProto) {
     graph.node.retain(|node| {
         let place = |input: usize| node.input.get(input).and_then(|name| places.get(name)).copied();
         let (Some(kept), Some(steps)) = (place(0), place(1)) else { return true };
-        match widened(node, &weights[kept], &weights[steps]).filter(|_| readers[&node.input[0]] == 1) {
-            Some(wide) => weights[kept] = wide,
-            None => return true,
-        }
+        let narrow = narrow(node, &weights[kept], &weights[steps]).filter(|_| readers[&node.input[0]] == 1);
+        let Some(narrow) = narrow else { return true };
+        weights[kept] = widened(std::mem::take(&mut weights[kept]), &narrow, outside);
+        weights[kept].name.clone_from(&node.output[0]);
         false
     });
 }
 
-/// What a node gives, as weights of its name; none where it is another operation, or where they are kept in another way.
-fn widened(node: &NodeProto, kept: &TensorProto, steps: &TensorProto) -> Option<TensorProto> {
+/// How the weights that a node widens are kept; none where it is another operation, or where they are kept in another way.
+fn narrow(node: &NodeProto, kept: &TensorProto, steps: &TensorProto) -> Option<Narrow> {
     let is_plain = node.op_type == "DequantizeLinear" && node.input.len() == 2 && node.output.len() == 1;
     if !is_plain || kept.data_type != DataType::Int8 as i32 {
         return None;
@@ -35,26 +37,23 @@ fn widened(node: &NodeProto, kept: &TensorProto, steps: &TensorProto) -> Option<
     let axis = node.attribute.iter().find(|attribute| attribute.name == "axis").map_or(1, |axis| axis.i);
     let lengths: Vec<usize> = kept.dims.iter().map(|&n| usize::try_from(n).ok()).collect::<Option<_>>()?;
     let (channels, each) = lengths.get(usize::try_from(axis).ok()?..)?.split_first()?;
-    let each: usize = each.iter().product();
     let steps: Vec<f32> = floats(steps)?.collect();
-    if steps.len() != *channels || kept.raw_data.len() != lengths.iter().product::<usize>() {
-        return None;
-    }
-    let mut raw_data = Vec::with_capacity(4 * kept.raw_data.len());
-    for (of_channel, step) in kept.raw_data.chunks_exact(each.max(1)).zip(steps.iter().cycle()) {
-        of_channel.iter().for_each(|&byte| raw_data.extend(step_times(byte, *step)));
-    }
-    let (name, dims) = (node.output[0].clone(), kept.dims.clone());
-    Some(TensorProto { name, dims, data_type: DataType::Float as i32, raw_data, ..Default::default() })
+    let bytes = if location(kept).is_some() { number(kept, "length")? } else { kept.raw_data.len() };
+    let fits = steps.len() == *channels && bytes == lengths.iter().product::<usize>();
+    fits.then(|| Narrow::Bytes { steps, each: each.iter().product() })
 }
 
-fn step_times(byte: u8, step: f32) -> [u8; 4] {
-    (f32::from(byte as i8) * step).to_le_bytes()
+/// The same weights as f32, or as what will be f32 when it is read.
+fn widened(kept: TensorProto, narrow: &Narrow, outside: &mut Outside) -> TensorProto {
+    let raw_data = if outside.has(&kept, || narrow.clone()) { kept.raw_data } else { narrow.widened(&kept.raw_data) };
+    TensorProto { data_type: DataType::Float as i32, raw_data, ..kept }
 }
 
 #[cfg(test)]
 mod tests {
-    use tract_onnx::pb::AttributeProto;
+    use tract_onnx::data_resolver::ModelDataResolver as _;
+    use tract_onnx::pb::tensor_proto::DataLocation;
+    use tract_onnx::pb::{AttributeProto, StringStringEntryProto};
 
     use super::*;
 
@@ -88,12 +87,31 @@ mod tests {
     #[test]
     fn weights_are_what_their_bytes_stand_for() {
         let mut graph = graph(&["kept", "steps"]);
-        widen(&mut graph);
+        widen(&mut graph, &mut Outside::default());
         assert_eq!(graph.node.iter().map(|node| node.op_type.as_str()).collect::<Vec<_>>(), ["Conv"]);
         let weights = graph.initializer.iter().find(|tensor| tensor.name == "weights").unwrap();
         let values = weights.raw_data.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()));
         assert_eq!(values.collect::<Vec<_>>(), [0.0, 0.5, -0.5, -256.0, 254.0, 4.0]);
         assert_eq!((&weights.dims[..], weights.data_type), (&[2, 3][..], DataType::Float as i32));
+    }
+
+    #[test]
+    fn those_in_a_file_are_widened_when_they_are_read() {
+        let entry = |key: &str, value: &str| StringStringEntryProto { key: key.to_owned(), value: value.to_owned() };
+        let mut graph = graph(&["kept", "steps"]);
+        let kept = &mut graph.initializer[0];
+        let bytes = std::mem::take(&mut kept.raw_data);
+        kept.data_location = Some(DataLocation::External as i32);
+        kept.external_data = vec![entry("location", "net.onnx"), entry("offset", "7"), entry("length", "6")];
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("net.onnx");
+        std::fs::write(&path, [&[9; 7][..], &bytes].concat()).unwrap();
+        let (mut outside, mut wide) = (Outside::default(), Vec::new());
+        widen(&mut graph, &mut outside);
+        assert_eq!((graph.node.len(), graph.initializer[0].data_type), (1, DataType::Float as i32));
+        outside.read_bytes_from_path(&mut wide, &path, 7, Some(6)).unwrap();
+        let values = wide.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap()));
+        assert_eq!(values.collect::<Vec<_>>(), [0.0, 0.5, -0.5, -256.0, 254.0, 4.0]);
     }
 
     #[test]
@@ -105,7 +123,7 @@ mod tests {
         read_twice.node[1].input.push("kept".to_owned());
         for before in [zero_point, short, read_twice, graph(&["photo", "steps"])] {
             let mut after = before.clone();
-            widen(&mut after);
+            widen(&mut after, &mut Outside::default());
             assert_eq!(after, before);
         }
     }

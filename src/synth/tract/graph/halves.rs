@@ -4,7 +4,7 @@ use tract_onnx::pb::tensor_proto::DataType;
 use tract_onnx::pb::{GraphProto, TensorProto, ValueInfoProto, type_proto::Value};
 use tract_onnx::prelude::f16;
 
-use super::outside::Outside;
+use super::outside::{Narrow, Outside};
 
 const HALF: i32 = DataType::Float16 as i32;
 const FULL: i32 = DataType::Float as i32;
@@ -38,11 +38,10 @@ fn widen_tensor(tensor: &mut TensorProto, outside: &mut Outside) {
         return;
     }
     tensor.data_type = FULL;
-    if outside.is_half(tensor) {
+    if outside.has(tensor, || Narrow::Halves) {
         return;
     }
-    let halves = tensor.raw_data.chunks_exact(2).map(|b| f16::from_le_bytes([b[0], b[1]]));
-    let packed = tensor.int32_data.iter().map(|bits| f16::from_bits(*bits as u16));
-    tensor.raw_data = halves.chain(packed).flat_map(|half| half.to_f32().to_le_bytes()).collect();
+    let packed = tensor.int32_data.iter().flat_map(|bits| f16::from_bits(*bits as u16).to_f32().to_le_bytes());
+    tensor.raw_data = Narrow::Halves.widened(&tensor.raw_data).into_iter().chain(packed).collect();
     tensor.int32_data.clear();
 }

@@ -98,7 +98,7 @@ pub(super) fn read(onnx: &tract_onnx::Onnx, file: &OnnxFile) -> Result<(ModelPro
     let mut outside = Outside::default();
     if let Some(graph) = &mut model.graph {
         halves::widen(graph, &mut outside);
-        bytes::widen(graph);
+        bytes::widen(graph, &mut outside);
         wiring::connect(graph, file.wiring)?;
     }
     Ok((model, outside))

@@ -1,6 +1,6 @@
 //! Weights that lie in files, read for tract one tensor at a time.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -13,24 +13,58 @@ use tract_onnx::tract_core::internal::{bail, ensure};
 use super::location;
 use crate::synth::tract::op;
 
-/// Reads weights; those in half precision are widened on the way.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Reads weights; those that are narrower than f32 are widened on the way.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::synth::tract) struct Outside {
-    /// File names and offsets of the tensors in half precision.
-    halves: BTreeSet<(String, usize)>,
+    /// How tensors are kept that are no f32, by file name and offset.
+    narrow: BTreeMap<(String, usize), Narrow>,
+}
+
+/// How weights are kept that are narrower than f32.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Narrow {
+    /// In half precision.
+    Halves,
+    /// In bytes; so many follow each other with the same step.
+    Bytes { steps: Vec<f32>, each: usize },
+}
+
+impl Narrow {
+    /// How many bytes stand for one number.
+    fn width(&self) -> usize {
+        match self {
+            Self::Halves => 2,
+            Self::Bytes { .. } => 1,
+        }
+    }
+
+    /// The same numbers as f32, little-endian.
+    pub(super) fn widened(&self, kept: &[u8]) -> Vec<u8> {
+        let mut wide = Vec::with_capacity(kept.len() / self.width() * size_of::<f32>());
+        let mut put = |value: f32| wide.extend(value.to_le_bytes());
+        match self {
+            Self::Halves => kept.as_chunks().0.iter().for_each(|half| put(f16::from_le_bytes(*half).to_f32())),
+            Self::Bytes { steps, each } => {
+                for (of_step, step) in kept.chunks_exact((*each).max(1)).zip(steps.iter().cycle()) {
+                    of_step.iter().for_each(|&byte| put(f32::from(byte as i8) * step));
+                }
+            }
+        }
+        wide
+    }
 }
 
 impl Outside {
-    /// Notes that a tensor in a file is in half precision; whether it lies in one.
-    pub(super) fn is_half(&mut self, tensor: &TensorProto) -> bool {
+    /// Notes how a tensor in a file is kept; whether it lies in one.
+    pub(super) fn has(&mut self, tensor: &TensorProto, narrow: impl FnOnce() -> Narrow) -> bool {
         let Some(name) = location(tensor) else { return false };
-        self.halves.insert((name.to_owned(), number(tensor, "offset").unwrap_or(0)));
+        self.narrow.insert((name.to_owned(), number(tensor, "offset").unwrap_or(0)), narrow());
         true
     }
 }
 
 /// A number that says where in a file a tensor lies.
-fn number(tensor: &TensorProto, key: &str) -> Option<usize> {
+pub(super) fn number(tensor: &TensorProto, key: &str) -> Option<usize> {
     tensor.external_data.iter().find(|entry| entry.key == key)?.value.parse().ok()
 }
 
@@ -49,15 +83,12 @@ impl ModelDataResolver for Outside {
         ensure!(offset.checked_add(length).is_some_and(|end| end <= whole), "weights beyond the end of {path:?}");
         file.seek(SeekFrom::Start(offset as u64))?;
         let Some(name) = path.file_name() else { bail!("no file: {path:?}") };
-        if !self.halves.contains(&(name.to_string_lossy().into_owned(), offset)) {
-            to.resize(length, 0);
-            file.read_exact(to)?;
-            return Ok(());
-        }
-        let mut halves = vec![0; length];
-        file.read_exact(&mut halves)?;
-        to.reserve_exact(2 * length);
-        to.extend(halves.as_chunks::<2>().0.iter().flat_map(|half| f16::from_le_bytes(*half).to_f32().to_le_bytes()));
+        let mut kept = vec![0; length];
+        file.read_exact(&mut kept)?;
+        *to = match self.narrow.get(&(name.to_string_lossy().into_owned(), offset)) {
+            Some(narrow) => narrow.widened(&kept),
+            None => kept,
+        };
         Ok(())
     }
 }

@@ -147,7 +147,12 @@ fn weights_beside_the_file_are_read_and_missing_or_foreign_ones_are_named() {
 
 /// A 1×1 convolution whose weights are many enough to stay in the file.
 fn wide(kind: DataType, raw_data: Vec<u8>) -> Graph {
-    let channels = raw_data.len() as i64 / if kind == DataType::Float16 { 6 } else { 12 };
+    let bytes = match kind {
+        DataType::Int8 => 1,
+        DataType::Float16 => 2,
+        _ => 4,
+    };
+    let channels = (raw_data.len() / (3 * bytes)) as i64;
     let mut graph = sum();
     let tensor = &mut graph.graph().initializer[0];
     (tensor.dims, tensor.raw_data, tensor.data_type) = (vec![channels, 3, 1, 1], raw_data, kind as i32);
@@ -161,10 +166,16 @@ fn a_file_on_the_disk_answers_as_one_in_memory() {
     let values = (0..90_000).map(|i| (i % 97) as f32 / 7.0);
     let whole = wide(DataType::Float, values.clone().flat_map(f32::to_le_bytes).collect());
     let half = wide(DataType::Float16, values.flat_map(|v| f16::from_f32(v).to_le_bytes()).collect());
+    let mut bytes = wide(DataType::Int8, (0..90_000).map(|i| (i % 251) as u8).collect())
+        .weights("steps", &[3], &[0.02, 0.5, 1.0])
+        .node("DequantizeLinear", &["w", "steps"], &["weights"], vec![int("axis", 1)]);
+    let nodes = &mut bytes.graph().node;
+    nodes[0].input[1] = "weights".to_owned();
+    nodes.swap(0, 1);
     // Some exporters say "here" of each tensor, behind its values.
     let mut here = whole.clone();
     here.graph().initializer[0].data_location = Some(DataLocation::Default as i32);
-    for graph in [whole, here, half, sum()] {
+    for graph in [whole, here, half, bytes, sum()] {
         let bytes = graph.bytes();
         std::fs::write(&path, &bytes).unwrap();
         let on_disk = OnnxFile { folder: None, ..OnnxFile::on_disk(&path) };
