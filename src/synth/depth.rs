@@ -101,10 +101,9 @@ impl DepthNet {
     fn looks(&self, photo: Size) -> Vec<Look> {
         let manifest = self.net.manifest();
         let mirrored = manifest.mirrored_long_side.map(|side| working_size(photo, side, manifest.multiple_of));
-        let mut looks: Vec<_> =
-            self.pass_sizes(photo).into_iter().map(|size| Look { size, is_mirrored: false }).collect();
-        looks.splice(1..1, mirrored.map(|size| Look { size, is_mirrored: true }));
-        looks
+        let mirrored = mirrored.map(|size| Look { size, is_mirrored: true });
+        let mut passes = self.pass_sizes(photo).into_iter().map(|size| Look { size, is_mirrored: false });
+        passes.next().into_iter().chain(mirrored).chain(passes).collect()
     }
 
     /// Ray depths of all views at the finest working scale of the manifest.
@@ -137,10 +136,9 @@ impl DepthNet {
         };
         further.iter().try_fold(pass(first)?, |before, &look| {
             let next = pass(look)?;
-            Ok(match look.is_mirrored {
-                true => with_layout_of(before, &next, HALF),
-                false => with_layout_of(next, &before, ALL_OF_IT),
-            })
+            let ([own, layout], share) =
+                if look.is_mirrored { ([before, next], HALF) } else { ([next, before], ALL_OF_IT) };
+            Ok(with_layout_of(own, &layout, share))
         })
     }
 
