@@ -106,7 +106,8 @@ impl Net {
         Err(ModelError::NotFinite { id: self.manifest().id.clone(), place: self.file.place.clone() }.into())
     }
 
-    /// Makes it ready for several shapes beside each other: each takes one thread, whatever `threads` are.
+    /// Makes it ready for several shapes beside each other, one thread each. With one thread alone, or a large net, each
+    /// is made ready when it is run.
     pub(super) fn make_ready(&self, shapes: &[Vec<usize>], threads: usize, cancel: &Cancel) {
         if threads == 1 || shapes.len() < 2 || self.is_heavy() {
             return;
