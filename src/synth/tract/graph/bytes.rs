@@ -45,7 +45,7 @@ fn narrow(node: &NodeProto, kept: &TensorProto, steps: &TensorProto) -> Option<N
 
 /// The same weights as f32, or as what will be f32 when it is read.
 fn widened(kept: TensorProto, narrow: &Narrow, outside: &mut Outside) -> TensorProto {
-    let raw_data = if outside.has(&kept, || narrow.clone()) { kept.raw_data } else { narrow.widened(&kept.raw_data) };
+    let raw_data = if outside.notes(&kept, narrow) { kept.raw_data } else { narrow.widened(&kept.raw_data) };
     TensorProto { data_type: DataType::Float as i32, raw_data, ..kept }
 }
 

@@ -38,10 +38,11 @@ fn widen_tensor(tensor: &mut TensorProto, outside: &mut Outside) {
         return;
     }
     tensor.data_type = FULL;
-    if outside.has(tensor, || Narrow::Halves) {
+    if outside.notes(tensor, &Narrow::Halves) {
         return;
     }
     let packed = tensor.int32_data.iter().flat_map(|bits| f16::from_bits(*bits as u16).to_f32().to_le_bytes());
-    tensor.raw_data = Narrow::Halves.widened(&tensor.raw_data).into_iter().chain(packed).collect();
+    tensor.raw_data = Narrow::Halves.widened(&tensor.raw_data);
+    tensor.raw_data.extend(packed);
     tensor.int32_data.clear();
 }

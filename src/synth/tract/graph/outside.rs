@@ -56,9 +56,9 @@ impl Narrow {
 
 impl Outside {
     /// Notes how a tensor in a file is kept; whether it lies in one.
-    pub(super) fn has(&mut self, tensor: &TensorProto, narrow: impl FnOnce() -> Narrow) -> bool {
+    pub(super) fn notes(&mut self, tensor: &TensorProto, narrow: &Narrow) -> bool {
         let Some(name) = location(tensor) else { return false };
-        self.narrow.insert((name.to_owned(), number(tensor, "offset").unwrap_or(0)), narrow());
+        self.narrow.insert((name.to_owned(), number(tensor, "offset").unwrap_or(0)), narrow.clone());
         true
     }
 }
