@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+use crate::field::morphology::extremes;
 use crate::field::{Raster, Size, ramp, sides};
 
 /// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
@@ -12,6 +13,12 @@ use crate::field::{Raster, Size, ramp, sides};
 const MIXED: usize = 2;
 /// How far behind an edge the far side is continued, as a part of the long side.
 const REACH: f32 = 0.14;
+/// How far beside an edge a deeper one counts for it, as a part of the long side: petals lie in steps before the sky, and
+/// behind all of them is the sky.
+const BESIDE: f32 = 0.006;
+
+/// The far side of no edge.
+const NO_EDGE: f32 = f32::MAX;
 
 /// What can be seen: colours and their surfaces.
 ///
@@ -99,7 +106,7 @@ fn around([width, height]: [usize; 2], i: usize, reach: usize) -> impl Iterator<
 struct Edge {
     /// How far away it is, in cells.
     distance: f32,
-    /// Disparity of its far side: what is behind a cell is there, not on a slope of the near side.
+    /// Disparity of the farthest side beside it: what is behind a cell is there, not on a slope of the near side.
     far: f32,
 }
 
@@ -114,13 +121,17 @@ impl Front {
     /// colours are mixed.
     fn edges(&self, nearest: &[f32], behind: f32) -> Vec<Edge> {
         let [width, height] = sides(self.size);
-        let own_edge = |i: usize| {
+        let own_far = |i: usize| {
             let own = self.disparity_px[i];
-            let far = around(sides(self.size), i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
+            let far = around([width, height], i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
             let is_edge = nearest[i] > own + behind || far < own - behind;
-            Edge { distance: if is_edge { 0.0 } else { f32::MAX / 4.0 }, far }
+            if is_edge { far } else { NO_EDGE }
         };
-        let mut edges: Vec<Edge> = (0..self.disparity_px.len()).into_par_iter().map(own_edge).collect();
+        let own_fars: Vec<f32> = (0..self.disparity_px.len()).into_par_iter().map(own_far).collect();
+        let beside = (BESIDE * width.max(height) as f32).round() as usize;
+        let fars = extremes(&own_fars, [width, height], beside, f32::min);
+        let edge = |(own, far)| Edge { distance: if own < NO_EDGE { 0.0 } else { f32::MAX / 4.0 }, far };
+        let mut edges: Vec<Edge> = own_fars.into_iter().zip(fars).map(edge).collect();
         let ahead: [(isize, isize, f32); 4] = [(1, 0, 1.0), (0, 1, 1.0), (-1, 1, 1.414), (1, 1, 1.414)];
         for (sign, first) in [(1, 0), (-1, edges.len() - 1)] {
             for k in 0..edges.len() {
@@ -221,4 +232,24 @@ fn fill(levels: &[Raster<Cell>], [x, y]: [usize; 2], [front, behind]: [f32; 2], 
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn behind_petals_in_steps_is_the_sky_and_no_petal() {
+        // From x = 400 on a petal before the sky, 4 cells farther inside another one, a little nearer.
+        let size = [1000, 40];
+        let petals = |x: u32| if x < 404 { 0.3 } else { 0.5 };
+        let seen = |x: u32| if x < 400 { ([0.2, 0.3, 0.9], -1.0) } else { ([0.9, 0.6, 0.1], petals(x)) };
+        let (rgb, disparity_px) = (0..size[0] * size[1]).map(|i| seen(i % size[0])).unzip();
+        let hidden = behind(&Front { size, rgb, disparity_px }, 0.08, |_, _| [0.0; 5]);
+        for x in 400..420 {
+            let cell = hidden.at(x, 20);
+            let [red, depth] = [0, 3].map(|c| cell[c] / cell[SHARE]);
+            assert!(cell[SHARE] > 0.9 && red < 0.3 && depth < -0.9, "{x}: red {red}, depth {depth}");
+        }
+    }
 }

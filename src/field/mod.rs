@@ -27,6 +27,7 @@ mod grid;
 mod histogram;
 mod lens;
 mod light_field;
+pub(crate) mod morphology;
 mod opening;
 mod photo;
 mod picture;

@@ -22,7 +22,6 @@ mod library;
 pub mod lift;
 mod manifest;
 pub mod memory;
-mod morphology;
 mod net;
 mod occlusion;
 mod params;

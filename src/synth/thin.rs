@@ -3,7 +3,7 @@
 //! Where depth moves to the photo's edges, a part between two edges this close together is lost on the way. So it is
 //! taken out before, as what a square of pixels does not fit into (the white top-hat transform), and put back after.
 
-use super::morphology::opening;
+use crate::field::morphology::opening;
 
 /// A square of `2·AROUND + 1` pixels of the net's map does not fit into a thin part.
 const AROUND: usize = 2;

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::morphology::extremes;
+use crate::field::morphology::extremes;
 use crate::field::{View, sides};
 use crate::job::{Cancel, Cancelled};
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 /// The extreme of the square of `2·around + 1` pixels about each pixel of a map `[y, x]`.
-pub(super) fn extremes(map: &[f32], [w, h]: [usize; 2], around: usize, most: fn(f32, f32) -> f32) -> Vec<f32> {
+pub(crate) fn extremes(map: &[f32], [w, h]: [usize; 2], around: usize, most: fn(f32, f32) -> f32) -> Vec<f32> {
     let window = |at: usize, side: usize| at.saturating_sub(around)..(at + around + 1).min(side);
     let mut rows = vec![0.0; map.len()];
     rows.par_chunks_mut(w).zip(map.par_chunks(w)).for_each(|(out, row)| {
@@ -22,6 +22,6 @@ pub(super) fn extremes(map: &[f32], [w, h]: [usize; 2], around: usize, most: fn(
 }
 
 /// A map without the near parts that the square does not fit into: its opening.
-pub(super) fn opening(map: &[f32], size: [usize; 2], around: usize) -> Vec<f32> {
+pub(crate) fn opening(map: &[f32], size: [usize; 2], around: usize) -> Vec<f32> {
     extremes(&extremes(map, size, around, f32::min), size, around, f32::max)
 }
