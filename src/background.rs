@@ -3,8 +3,6 @@
 //! A pyramid is built in which a coarse cell holds the farthest surface under it. A place near an edge takes, from fine
 //! to coarse, what lies farther than its own surface: so the colours come from the far side only.
 
-use rayon::prelude::*;
-
 use crate::field::morphology::extremes;
 use crate::field::{Raster, Size, ramp, sides};
 
@@ -113,21 +111,19 @@ struct Edge {
 impl Front {
     /// Per cell: the disparity of the nearest surface that may have its colours in it.
     fn nearest(&self) -> Vec<f32> {
-        let of = |i: usize| around(sides(self.size), i, MIXED).map(|j| self.disparity_px[j]).fold(f32::MIN, f32::max);
-        (0..self.disparity_px.len()).into_par_iter().with_min_len(self.size[0] as usize).map(of).collect()
+        extremes(&self.disparity_px, sides(self.size), MIXED, f32::max)
     }
 
     /// Per cell: the nearest edge. Distance runs inward only: over the near side, and across the far one no farther than
     /// colours are mixed.
     fn edges(&self, nearest: &[f32], behind: f32) -> Vec<Edge> {
         let [width, height] = sides(self.size);
-        let own_far = |i: usize| {
-            let own = self.disparity_px[i];
-            let far = around([width, height], i, 1).map(|j| self.disparity_px[j]).fold(own, f32::min);
-            let is_edge = nearest[i] > own + behind || far < own - behind;
+        let farthest = extremes(&self.disparity_px, [width, height], 1, f32::min);
+        let own_far = |((own, far), nearest): ((&f32, f32), &f32)| {
+            let is_edge = *nearest > own + behind || far < own - behind;
             if is_edge { far } else { NO_EDGE }
         };
-        let own_fars: Vec<f32> = (0..self.disparity_px.len()).into_par_iter().map(own_far).collect();
+        let own_fars: Vec<f32> = self.disparity_px.iter().zip(farthest).zip(nearest).map(own_far).collect();
         let beside = (BESIDE * width.max(height) as f32).round() as usize;
         let fars = extremes(&own_fars, [width, height], beside, f32::min);
         let edge = |(own, far)| Edge { distance: if own < NO_EDGE { 0.0 } else { f32::MAX / 4.0 }, far };
