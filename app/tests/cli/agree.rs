@@ -150,7 +150,7 @@ fn the_same_edit_is_the_same_picture_through_every_door() {
 /// Recipes of version 1 with pictures of them. Those that the program made which wrote that version were equal to the last
 /// byte until the phone's map came to be enlarged otherwise; these were made anew then, and when edges came to follow the photo,
 /// and to take their colours from the photo itself, and when nearly sharp surfaces came to be closed, up to their rims too,
-/// and when what goes on behind surfaces in steps came to be the farthest.
+/// when what goes on behind surfaces in steps came to be the farthest, and when stains of a blurred near side came to be taken away.
 #[test]
 fn recipes_of_version_1_look_as_they_did() {
     let dir = Scratch::new();

@@ -47,9 +47,11 @@ pub(super) const TELLING: usize = 5;
 /// Colour of the far side, and the direction from it to the near side's, scaled so that near is at 1. In √light.
 pub(super) const FAR_COLOR: usize = 6;
 pub(super) const AXIS: usize = 9;
+/// How far the far side's colours are from their mean, √light.
+pub(super) const SPREAD: usize = 12;
 /// Its own disparity, on the side that it was given to.
-pub(super) const OWN: usize = 12;
-pub(super) const LEN: usize = 13;
+pub(super) const OWN: usize = 13;
+pub(super) const LEN: usize = 14;
 
 /// Model of a cell.
 pub(super) type Cell = [f32; LEN];
@@ -264,6 +266,7 @@ impl Grid {
         let apart: [f32; 3] = std::array::from_fn(|c| near[c] - far[c]);
         let apart2: f32 = apart.iter().map(|a| a * a).sum();
         cell[FOREIGN] = apart2 / (apart2 + 20.0 * sides[1].spread() + 0.003);
+        cell[SPREAD] = sides[1].spread().sqrt();
         cell[TELLING] = apart2 / (apart2 + 6.0 * (sides[0].spread() + sides[1].spread()) + 0.003);
         for c in 0..3 {
             cell[FAR_COLOR + c] = far[c];
@@ -302,14 +305,21 @@ impl Models {
     #[inline]
     pub(super) fn between(&self, (x0, x1, tx): (usize, usize, f32), (y0, y1, ty): (usize, usize, f32)) -> Cell {
         let width = self.depth.sides()[0];
-        let corner = |at: usize| {
-            self.get(at).copied().unwrap_or_else(|| {
+        let places = [y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1];
+        let models = places.map(|at| self.get(at));
+        // Where the models end, their colours go on.
+        let known = models.iter().flatten().next();
+        let corner = |i: usize| {
+            models[i].copied().unwrap_or_else(|| {
                 let mut cell = [0.0; LEN];
-                [cell[OWN], cell[NEAR], cell[FAR], cell[SOFT]] = [self.depth.pixels()[at]; 4];
+                [cell[OWN], cell[NEAR], cell[FAR], cell[SOFT]] = [self.depth.pixels()[places[i]]; 4];
+                if let Some(known) = known {
+                    cell[FAR_COLOR..OWN].copy_from_slice(&known[FAR_COLOR..OWN]);
+                }
                 cell
             })
         };
-        between([y0 * width + x0, y0 * width + x1, y1 * width + x0, y1 * width + x1].map(corner), [tx, ty])
+        between([0, 1, 2, 3].map(corner), [tx, ty])
     }
 }
 

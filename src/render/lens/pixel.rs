@@ -53,7 +53,7 @@ impl Reader<'_> {
 #[inline]
 fn one_surface(seen: Seen, hidden: &Hidden) -> Seen {
     let step = seen.near_px - seen.far_px;
-    let two = ramp(0.3, 0.7, step / (seen.near_px - hidden.disparity_px).max(step).max(1e-6));
+    let two = ramp(0.6, 0.9, step / (seen.near_px - hidden.disparity_px).max(step).max(1e-6));
     let between = seen.far_px + seen.cover * step;
     Seen { near_px: between.mix(seen.near_px, two), cover: 1f32.mix(seen.cover, two), ..seen }
 }
@@ -66,8 +66,7 @@ fn far_side_behind(seen: &Seen, hidden: Option<Hidden>) -> Option<Hidden> {
     }
     let own = Hidden { rgb: seen.far_rgb, disparity_px: seen.far_px, share: seen.foreign, distance_px: 0.0 };
     let hidden = hidden.unwrap_or(Hidden { share: 0.0, ..own });
-    let deeper = (seen.far_px - hidden.disparity_px) / (seen.near_px - seen.far_px).max(1e-6);
-    let known = hidden.share * (1.0 - ramp(0.1, 0.3, deeper));
+    let known = hidden.share * is_far_side(seen, &hidden);
     let more = (1.0 - known) * seen.foreign;
     let t = more / (known + more).max(1e-6);
     let share = known + more;
@@ -77,4 +76,10 @@ fn far_side_behind(seen: &Seen, hidden: Option<Hidden>) -> Option<Hidden> {
         share,
         distance_px: hidden.distance_px,
     })
+}
+
+/// Whether what is behind is the far side and nothing deeper, 0 … 1.
+#[inline]
+fn is_far_side(seen: &Seen, hidden: &Hidden) -> f32 {
+    1.0 - ramp(0.1, 0.3, (seen.far_px - hidden.disparity_px) / (seen.near_px - seen.far_px).max(1e-6))
 }

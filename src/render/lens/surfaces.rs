@@ -5,7 +5,7 @@
 //! how much of the pixel is near. So an edge of the picture follows the photo, not the map, and no pixel is given a
 //! depth between the two sides.
 
-use super::edges::{AXIS, Cell, EDGE, FAR, FAR_COLOR, FOREIGN, Grid, Models, NEAR, OWN, SOFT, TELLING};
+use super::edges::{AXIS, Cell, EDGE, FAR, FAR_COLOR, FOREIGN, Grid, Models, NEAR, OWN, SOFT, SPREAD, TELLING};
 use super::light::Light;
 use super::sample::Axis;
 use crate::field::{DisparityMap, Mix, Raster, Size, between, fit_long_side, nearest, ramp};
@@ -19,6 +19,8 @@ const FRINGE: [f32; 2] = [0.05, 0.2];
 /// A mixture of both sides' colours lies between them; how far from there, relative and squared, it stops to be one.
 const STRAY: [f32; 2] = [0.1, 0.4];
 
+/// How strange a colour is that is stained, and one that is nothing else.
+const STAIN: [f32; 2] = [0.04, 0.12];
 /// A pixel is a mixture of its two sides where the near one covers more than the first part of it and less than the second.
 pub(super) const MIXTURE: [f32; 2] = [0.01, 0.99];
 
@@ -56,13 +58,25 @@ pub(super) struct Seen {
     pub(super) near_rgb: [f32; 3],
     pub(super) far_rgb: [f32; 3],
     pub(super) foreign: f32,
+    /// How far its colour is neither the far side's nor a mixture, 0 … 1: a camera's sharpening and its coarse colour put some
+    /// of the near side into the far one.
+    pub(super) stained: f32,
 }
 
 impl Seen {
     /// One surface alone.
     fn whole(disparity_px: f32) -> Self {
         let [near_px, far_px] = [disparity_px; 2];
-        Self { near_px, far_px, cover: 1.0, edge: 0.0, near_rgb: [0.0; 3], far_rgb: [0.0; 3], foreign: 0.0 }
+        Self {
+            near_px,
+            far_px,
+            cover: 1.0,
+            edge: 0.0,
+            near_rgb: [0.0; 3],
+            far_rgb: [0.0; 3],
+            foreign: 0.0,
+            stained: 0.0,
+        }
     }
 
     /// Disparity of the side that covers more of the pixel.
@@ -198,6 +212,7 @@ impl Reader<'_> {
             near_rgb,
             far_rgb,
             foreign,
+            stained: foreign * ramp(STAIN[0], STAIN[1], strange(cell, color)),
         }
     }
 }
@@ -216,6 +231,14 @@ fn near_part(cell: &Cell, color: &[f32; 3]) -> ([[f32; 3]; 2], f32) {
     let beside = (dot(&away, &away) - along2).max(0.0) / along2;
     let near_rgb = std::array::from_fn(|c| far_rgb[c] + apart[c]);
     ([near_rgb, far_rgb], part * (1.0 - ramp(STRAY[0], STRAY[1], beside)))
+}
+
+/// How much farther a colour is from the far side's than those vary, in parts of what the sides differ by.
+#[inline]
+fn strange(cell: &Cell, color: &[f32; 3]) -> f32 {
+    let axis2: f32 = cell[AXIS..AXIS + 3].iter().map(|a| a * a).sum();
+    let away2: f32 = (0..3).map(|c| (color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]).powi(2)).sum();
+    (away2.sqrt() - cell[SPREAD]) * axis2.sqrt()
 }
 
 /// What each cell needs; `read` is what the map says of them.

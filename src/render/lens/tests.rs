@@ -3,6 +3,7 @@
 #[path = "../../../tests/common/chance.rs"]
 mod chance;
 mod depth;
+mod outlines;
 
 use chance::hash;
 

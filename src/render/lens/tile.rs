@@ -17,7 +17,7 @@ use super::rays::{BLOCK, NEARLY_SHARP, Piece, SHARP_PX, Slices, is_after_nearly_
 use super::rim::Rims;
 use super::spread::{Spread, close, narrow};
 use super::surfaces::{MIXTURE, Seen};
-use crate::field::{Lens, pixels, ramp, sides};
+use crate::field::{Lens, Mix, pixels, ramp, sides};
 
 /// A part of the picture, in its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -288,12 +288,15 @@ fn sight(optics: &Optics, [x, y]: [i32; 2], seen: &Seen, hidden: Option<&Hidden>
 #[inline]
 fn pieces(optics: &Optics, [x, y]: [i32; 2], color: [f32; 3], seen: Seen, hidden: Option<Hidden>) -> [Piece; 2] {
     let near = optics.blur(seen.near_px, x, y);
+    // What a blurred near side has left on the far one would stay behind as an outline.
+    let stained = seen.stained * ramp(STAIN_PX[0], STAIN_PX[1], near.abs());
+    let (color, near) = match seen.cover <= MIXTURE[0] {
+        true => (color.mix(seen.far_rgb, stained), optics.blur(seen.far_px, x, y)),
+        false => (color, near),
+    };
     let color_of = |blur: f32| recovered(color, optics.lens.highlights, blur);
     let alone = |blur: f32| [Piece::new(color_of(blur), 1.0, blur), Piece::default()];
-    if seen.cover <= MIXTURE[0] {
-        return alone(optics.blur(seen.far_px, x, y));
-    }
-    let mixed = seen.cover < MIXTURE[1];
+    let mixed = MIXTURE[0] < seen.cover && seen.cover < MIXTURE[1];
     let far = match hidden {
         Some(hidden) if !mixed => optics.blur(hidden.disparity_px, x, y),
         _ if mixed => optics.blur(seen.far_px, x, y),
@@ -323,7 +326,9 @@ fn pieces(optics: &Optics, [x, y]: [i32; 2], color: [f32; 3], seen: Seen, hidden
         let unmixed = (cover * unmixed).min(color[c]);
         cover * color[c] + (unmixed - cover * color[c]) * known
     });
-    let rest: [f32; 3] = std::array::from_fn(|c| color[c] - own[c] + cover * known * back[c]);
+    let rest: [f32; 3] = std::array::from_fn(|c| {
+        (color[c] - own[c]).mix((1.0 - cover) * seen.far_rgb[c], stained) + cover * known * back[c]
+    });
     [Piece::new(own, cover, near), Piece::new(rest, 1.0 - cover + cover * known, far)]
 }
 
@@ -335,6 +340,8 @@ fn least_cover(color: [f32; 3], back: [f32; 3]) -> f32 {
     (1.0 - FAR_SPREAD * parts.fold(f32::MAX, f32::min)).max(0.0)
 }
 
+/// From the first blur of the near side on, what it has left on the far one is taken away; from the second on all of it.
+const STAIN_PX: [f32; 2] = [1.5, 6.0];
 /// Light below which colours are not compared.
 const DARK: f32 = 0.004;
 /// The near side's colour at a pixel is at most so many times brighter or darker than it is on the whole, or the pixel.

@@ -41,11 +41,13 @@ const LOOSE = vec2f(0.05, 0.2);
 const DARK: f32 = 0.004;
 const FAR_SPREAD: f32 = 1.5;
 const NEAR_SPREAD: f32 = 4.0;
+const STAIN_PX = vec2f(1.5, 6.0);
 const ROW_LANES: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> params: Params;
 // What each gathered pixel sees: colour and near disparity; far disparity, coverage, edge, share of what is behind;
-// colour and disparity of that; colour of the near side on the whole, and the distance from the edge.
+// colour and disparity of that; colour of the near side on the whole, and the distance from the edge; colour of the far
+// side on the whole, and how far the pixel's own is stained.
 @group(0) @binding(1) var<storage, read> colors: array<vec4f>;
 @group(0) @binding(2) var<storage, read> sides: array<vec4f>;
 @group(0) @binding(3) var<storage, read> hidden: array<vec4f>;
@@ -64,6 +66,7 @@ const ROW_LANES: u32 = 64u;
 // The slice of each gathered pixel before which its own surface is put, and the most that may then be left open; below 0
 // all of the lens sees it, spread widely.
 @group(0) @binding(13) var<storage, read_write> seen: array<vec2f>;
+@group(0) @binding(14) var<storage, read> fars: array<vec4f>;
 
 @group(1) @binding(0) var<uniform> slice: vec4i;
 
@@ -143,17 +146,18 @@ fn pieces(@builtin(global_invocation_id) id: vec3u) {
     let i = id.y * params.gather_size.x + id.x;
     let pixel = params.gather_at + vec2i(id.xy);
     seen[i] = seen_before(i, id.xy, pixel);
-    let color = colors[i].rgb;
+    var color = colors[i].rgb;
     var cover = sides[i].y;
     let share = sides[i].w;
     let nothing = vec4f(0.0);
     let far_own = blur_of(sides[i].x, pixel);
+    var near = blur_of(colors[i].w, pixel);
+    let stained = fars[i].w * ramp(STAIN_PX.x, STAIN_PX.y, abs(near));
     if cover <= 0.01 {
-        store(i, vec4f(recovered(color, far_own), 1.0), far_own, nothing, 0.0);
-        return;
+        color = mix(color, fars[i].rgb, stained);
+        near = far_own;
     }
-    let near = blur_of(colors[i].w, pixel);
-    let mixed = cover < 0.99;
+    let mixed = cover > 0.01 && cover < 0.99;
     let known_behind = share > 0.0;
     let far = select(blur_of(hidden[i].w, pixel), far_own, mixed);
     let apart = ramp(0.4, 1.2, slice_of(near) - slice_of(far));
@@ -177,7 +181,7 @@ fn pieces(@builtin(global_invocation_id) id: vec3u) {
     let high = max(color, nears[i].rgb * NEAR_SPREAD);
     let unmixed = min(cover * clamp((color - (1.0 - cover) * back) / cover, low, high), color);
     let own = cover * color + (unmixed - cover * color) * known;
-    let rest = color - own + cover * known * back;
+    let rest = mix(color - own, (1.0 - cover) * fars[i].rgb, stained) + cover * known * back;
     store(i, vec4f(own, cover), near, vec4f(rest, 1.0 - cover + cover * known), far);
 }
 

@@ -33,7 +33,7 @@ struct Kept {
     region: Region,
     /// Pixels around the region.
     margin: u32,
-    buffers: [wgpu::Buffer; 4],
+    buffers: [wgpu::Buffer; 5],
 }
 
 /// As in the shader.
@@ -136,7 +136,8 @@ impl LensGpu {
             let values: Vec<[f32; 4]> = gathered.iter().map(part).collect();
             self.storage(bytemuck::cast_slice(&values))
         };
-        let buffers = [column(|g| g.color), column(|g| g.sides), column(|g| g.hidden), column(|g| g.near)];
+        let parts: [fn(&Gathered) -> [f32; 4]; 5] = [|g| g.color, |g| g.sides, |g| g.hidden, |g| g.near, |g| g.far];
+        let buffers = parts.map(column);
         Kept { prepared: Arc::clone(prepared), region, margin, buffers }
     }
 
@@ -159,11 +160,11 @@ impl LensGpu {
         let still = self.empty(16 * pixels);
         let front = self.storage(bytemuck::cast_slice(&vec![[0.0f32, 0.0, 0.0, 1.0]; pixels as usize]));
         let open = self.storage(bytemuck::cast_slice(&vec![1.0f32; pixels as usize]));
-        let [colors, sides, hidden, nears] = &kept.buffers;
+        let [colors, sides, hidden, nears, fars] = &kept.buffers;
         let bind = |pipeline: &wgpu::ComputePipeline, buffers: &[(u32, &wgpu::Buffer)]| self.bind(pipeline, buffers);
         let own = [(0, &params), (5, &lights), (6, &blurs)];
-        let pieces =
-            bind(&self.pieces, &[&own[..], &[(1, colors), (2, sides), (3, hidden), (4, nears), (13, &seen)]].concat());
+        let gathered = [(1, colors), (2, sides), (3, hidden), (4, nears), (14, fars)];
+        let pieces = bind(&self.pieces, &[&own[..], &gathered[..], &[(13, &seen)]].concat());
         let spread = bind(&self.spread, &[&own[..], &[(7, &kernels), (8, &spans), (9, &steps), (10, &still)]].concat());
         let cover =
             bind(&self.cover, &[(0, &params), (9, &steps), (10, &still), (11, &front), (12, &open), (13, &seen)]);
@@ -324,6 +325,7 @@ struct Gathered {
     sides: [f32; 4],
     hidden: [f32; 4],
     near: [f32; 4],
+    far: [f32; 4],
 }
 
 fn gathered(prepared: &Prepared, region: Region, margin: u32) -> Vec<Gathered> {
@@ -338,12 +340,13 @@ fn gathered(prepared: &Prepared, region: Region, margin: u32) -> Vec<Gathered> {
         let pixel = |(i, [r, g, b]): (usize, [f32; 3])| {
             let (seen, hidden) = reader.at(&row, i, &[r, g, b]);
             let [hr, hg, hb] = hidden.map_or([0.0; 3], |h| h.rgb);
-            let [nr, ng, nb] = seen.near_rgb;
+            let [[nr, ng, nb], [fr, fg, fb]] = [seen.near_rgb, seen.far_rgb];
             Gathered {
                 color: [r, g, b, seen.near_px],
                 sides: [seen.far_px, seen.cover, seen.edge, hidden.map_or(0.0, |h| h.share)],
                 hidden: [hr, hg, hb, hidden.map_or(0.0, |h| h.disparity_px)],
                 near: [nr, ng, nb, hidden.map_or(0.0, |h| h.distance_px)],
+                far: [fr, fg, fb, seen.stained],
             }
         };
         colors.into_iter().enumerate().map(pixel).collect::<Vec<_>>()

@@ -148,8 +148,8 @@ void main() {
   bool known = share > 0.02;
   float farOwn = blurOf(s.r - s.g), n = blurOf(s.r), distance_ = (backAt.y * 255.0 - 1.0) * cells;
   vec2 own = ownBefore(at, cover, known, distance_, cover <= 0.01 ? farOwn : n);
-  if (cover <= 0.01) { put(vec4(recovered(color, farOwn), 1.0), farOwn, vec4(0.0), 0.0, own); return; }
-  bool mixed = cover < 0.99;
+  if (cover <= 0.01) n = farOwn;
+  bool mixed = cover > 0.01 && cover < 0.99;
   float f = mixed ? farOwn : blurOf(backAt.x);
   float apart = ramp(0.4, 1.2, sliceOf(n) - sliceOf(f));
   bool alone = apart <= 0.0 && (!mixed || max(abs(n), abs(f)) < 0.3 || !known);
