@@ -290,6 +290,7 @@ fn pieces(optics: &Optics, [x, y]: [i32; 2], color: [f32; 3], seen: Seen, hidden
     let near = optics.blur(seen.near_px, x, y);
     // What a blurred near side has left on the far one would stay behind as an outline.
     let stained = seen.stained * ramp(STAIN_PX[0], STAIN_PX[1], near.abs());
+    // A pixel of the far side is a surface with something behind it as well.
     let (color, near) = match seen.cover <= MIXTURE[0] {
         true => (color.mix(seen.far_rgb, stained), optics.blur(seen.far_px, x, y)),
         false => (color, near),
