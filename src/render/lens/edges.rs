@@ -265,9 +265,10 @@ impl Grid {
         let (near, far) = (sides[0].color(), sides[1].color());
         let apart: [f32; 3] = std::array::from_fn(|c| near[c] - far[c]);
         let apart2: f32 = apart.iter().map(|a| a * a).sum();
-        cell[FOREIGN] = apart2 / (apart2 + 20.0 * sides[1].spread() + 0.003);
-        cell[SPREAD] = sides[1].spread().sqrt();
-        cell[TELLING] = apart2 / (apart2 + 6.0 * (sides[0].spread() + sides[1].spread()) + 0.003);
+        let [near_spread, far_spread] = sides.each_ref().map(Side::spread);
+        cell[FOREIGN] = apart2 / (apart2 + 20.0 * far_spread + 0.003);
+        cell[SPREAD] = far_spread.sqrt();
+        cell[TELLING] = apart2 / (apart2 + 6.0 * (near_spread + far_spread) + 0.003);
         for c in 0..3 {
             cell[FAR_COLOR + c] = far[c];
             cell[AXIS + c] = apart[c] / apart2.max(1e-6);
@@ -319,7 +320,7 @@ impl Models {
                 cell
             })
         };
-        between([0, 1, 2, 3].map(corner), [tx, ty])
+        between(std::array::from_fn(corner), [tx, ty])
     }
 }
 

@@ -66,7 +66,8 @@ fn far_side_behind(seen: &Seen, hidden: Option<Hidden>) -> Option<Hidden> {
     }
     let own = Hidden { rgb: seen.far_rgb, disparity_px: seen.far_px, share: seen.foreign, distance_px: 0.0 };
     let hidden = hidden.unwrap_or(Hidden { share: 0.0, ..own });
-    let known = hidden.share * is_far_side(seen, &hidden);
+    let deeper = (seen.far_px - hidden.disparity_px) / (seen.near_px - seen.far_px).max(1e-6);
+    let known = hidden.share * (1.0 - ramp(0.1, 0.3, deeper));
     let more = (1.0 - known) * seen.foreign;
     let t = more / (known + more).max(1e-6);
     let share = known + more;
@@ -76,10 +77,4 @@ fn far_side_behind(seen: &Seen, hidden: Option<Hidden>) -> Option<Hidden> {
         share,
         distance_px: hidden.distance_px,
     })
-}
-
-/// Whether what is behind is the far side and nothing deeper, 0 … 1.
-#[inline]
-fn is_far_side(seen: &Seen, hidden: &Hidden) -> f32 {
-    1.0 - ramp(0.1, 0.3, (seen.far_px - hidden.disparity_px) / (seen.near_px - seen.far_px).max(1e-6))
 }

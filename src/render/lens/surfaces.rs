@@ -18,9 +18,9 @@ const GRID_SIDE: u32 = 1024;
 const FRINGE: [f32; 2] = [0.05, 0.2];
 /// A mixture of both sides' colours lies between them; how far from there, relative and squared, it stops to be one.
 const STRAY: [f32; 2] = [0.1, 0.4];
-
 /// How strange a colour is that is stained, and one that is nothing else.
 const STAIN: [f32; 2] = [0.04, 0.12];
+
 /// A pixel is a mixture of its two sides where the near one covers more than the first part of it and less than the second.
 pub(super) const MIXTURE: [f32; 2] = [0.01, 0.99];
 
@@ -58,8 +58,8 @@ pub(super) struct Seen {
     pub(super) near_rgb: [f32; 3],
     pub(super) far_rgb: [f32; 3],
     pub(super) foreign: f32,
-    /// How far its colour is neither the far side's nor a mixture, 0 … 1: a camera's sharpening and its coarse colour put some
-    /// of the near side into the far one.
+    /// How far its colour is another than the far side's, 0 … 1: a camera's sharpening and its coarse colour put some of the
+    /// near side into the far one.
     pub(super) stained: f32,
 }
 
@@ -192,7 +192,8 @@ impl Reader<'_> {
         // One pixel of the map is many of the photo: the map's ramp becomes one of two photo pixels.
         let scale = self.size[0] as f32 / self.surfaces.cells.size()[0] as f32;
         let steep = 0.5 + (by_map - 0.5) * (scale / 2.0).max(1.0);
-        let at: f32 = (0..3).map(|c| (color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]) * cell[AXIS + c]).sum();
+        let away: [f32; 3] = std::array::from_fn(|c| color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]);
+        let at: f32 = (0..3).map(|c| away[c] * cell[AXIS + c]).sum();
         let by_color = 0.5 + 1.6 * (at.clamp(-0.5, 1.5) - 0.5);
         let unsure = ramp(0.02, 0.2, soft.min(1.0 - soft));
         let cover = steep.clamp(0.0, 1.0).mix(by_color.clamp(0.0, 1.0), unsure * cell[TELLING]).clamp(0.0, 1.0);
@@ -212,7 +213,7 @@ impl Reader<'_> {
             near_rgb,
             far_rgb,
             foreign,
-            stained: foreign * ramp(STAIN[0], STAIN[1], strange(cell, color)),
+            stained: foreign * ramp(STAIN[0], STAIN[1], strange(cell, &away)),
         }
     }
 }
@@ -233,12 +234,11 @@ fn near_part(cell: &Cell, color: &[f32; 3]) -> ([[f32; 3]; 2], f32) {
     ([near_rgb, far_rgb], part * (1.0 - ramp(STRAY[0], STRAY[1], beside)))
 }
 
-/// How much farther a colour is from the far side's than those vary, in parts of what the sides differ by.
+/// How much farther a colour is `away` from the far side's than those vary, in parts of what the sides differ by.
 #[inline]
-fn strange(cell: &Cell, color: &[f32; 3]) -> f32 {
-    let axis2: f32 = cell[AXIS..AXIS + 3].iter().map(|a| a * a).sum();
-    let away2: f32 = (0..3).map(|c| (color[c].max(0.0).sqrt() - cell[FAR_COLOR + c]).powi(2)).sum();
-    (away2.sqrt() - cell[SPREAD]) * axis2.sqrt()
+fn strange(cell: &Cell, away: &[f32; 3]) -> f32 {
+    let length = |v: &[f32]| v.iter().map(|a| a * a).sum::<f32>().sqrt();
+    (length(away) - cell[SPREAD]) * length(&cell[AXIS..AXIS + 3])
 }
 
 /// What each cell needs; `read` is what the map says of them.

@@ -1,8 +1,9 @@
 //! The living picture: one HTML file that is refocused and looked into wherever it is opened, without a connection.
 //!
 //! The photo and what is behind its edges travel as JPEG, disparities as PNG, all as `data:` addresses. A script of this
-//! program's, the only one that the page's policy lets run, does in WebGL2 what the lens renderer does
-//! (`page/draw.js`), slice by slice; while something moves, a draft gathers discs in one pass. Where there is no WebGL2, a strip of pictures is shown.
+//! program's, the only one that the page's policy lets run, does in WebGL2 what the lens renderer does (`page/draw.js`),
+//! slice by slice, but for the stains beside edges; while something moves, a draft gathers discs in one pass. Where there
+//! is no WebGL2, a strip of pictures is shown.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
