@@ -22,6 +22,8 @@ pub struct Layers {
     pub far_px: Vec<f32>,
     /// How much of the pixel the near side covers, 0 … 1.
     pub cover: Vec<f32>,
+    /// How far a pixel of the far side has a colour that a camera put there from the near one, 0 … 1.
+    pub stained: Vec<f32>,
     /// Width and height of the grid of what is behind.
     pub behind_size: Size,
     /// What is behind.
@@ -55,7 +57,7 @@ impl Prepared {
                 self.light.row(0, y, &mut rgb);
                 let row = reader.at_row(y);
                 let seen = rgb.iter().enumerate().map(|(i, color)| reader.at(&row, i, color).0);
-                let seen: Vec<_> = seen.map(|seen| (seen.near_px, seen.far_px, seen.cover)).collect();
+                let seen: Vec<_> = seen.map(|seen| (seen.near_px, seen.far_px, seen.cover, seen.stained)).collect();
                 (rgb, seen)
             })
             .collect();
@@ -68,6 +70,7 @@ impl Prepared {
             near_px: seen.iter().map(|seen| seen.0).collect(),
             far_px: seen.iter().map(|seen| seen.1).collect(),
             cover: seen.iter().map(|seen| seen.2).collect(),
+            stained: seen.iter().map(|seen| seen.3).collect(),
             behind_size,
             behind,
             scale: self.size[0] as f32 / self.surfaces.map_size()[0] as f32,

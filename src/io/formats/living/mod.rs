@@ -2,8 +2,8 @@
 //!
 //! The photo and what is behind its edges travel as JPEG, disparities as PNG, all as `data:` addresses. A script of this
 //! program's, the only one that the page's policy lets run, does in WebGL2 what the lens renderer does (`page/draw.js`),
-//! slice by slice, but for the stains beside edges; while something moves, a draft gathers discs in one pass. Where there
-//! is no WebGL2, a strip of pictures is shown.
+//! slice by slice; while something moves, a draft gathers discs in one pass. Where there is no WebGL2, a strip of pictures
+//! is shown.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -38,7 +38,8 @@ pub struct Living {
     pub title: String,
     /// The photo, sRGB.
     pub photo: Rgb,
-    /// Near disparity, near minus far disparity, and what the near side leaves free, of each pixel.
+    /// Near disparity, near minus far disparity, and what the near side leaves free, of each pixel: 253 to 255 is all of it,
+    /// 255 where it has left no stain either.
     pub depths: Rgb,
     /// Colours behind the edges, sRGB.
     pub behind: Rgb,

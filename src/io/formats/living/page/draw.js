@@ -69,7 +69,11 @@ void main() {
       break;
     }
     seen = bared ? vec4(back.rgb, 1.0) : vec4(textureLod(colors, at, coarse).rgb, 1.0);
-    sides = vec4((found - range.x) / max(range.y - range.x, 1e-9), 0.0, 0.0, 1.0);
+    float share = (found - range.x) / max(range.y - range.x, 1e-9);
+    s = sidesAt(at);
+    // A pixel of the far side keeps what lies before it: a blurred near side may have stained it.
+    sides = vec4(share, 0.0, 0.0, 1.0);
+    if (!bared && s.b > 0.99) sides = vec4(min(share + s.g, 1.0), min(s.g, 1.0 - share), s.b, 1.0);
   } else {
     seen = vec4(textureLod(colors, uv, coarse).rgb, 1.0);
     sides = vec4(s, 1.0);
@@ -148,7 +152,11 @@ void main() {
   bool known = share > 0.02;
   float farOwn = blurOf(s.r - s.g), n = blurOf(s.r), distance_ = (backAt.y * 255.0 - 1.0) * cells;
   vec2 own = ownBefore(at, cover, known, distance_, cover <= 0.01 ? farOwn : n);
-  if (cover <= 0.01) n = farOwn;
+  if (cover <= 0.01) {
+    // What a blurred near side has left on the far one would stay behind as an outline.
+    if (known) color = mix(color, back.rgb, min(cover * 127.5, 1.0) * ramp(1.5, 6.0, abs(n)));
+    n = farOwn;
+  }
   bool mixed = cover > 0.01 && cover < 0.99;
   float f = mixed ? farOwn : blurOf(backAt.x);
   float apart = ramp(0.4, 1.2, sliceOf(n) - sliceOf(f));
