@@ -7,29 +7,44 @@ use crate::field::morphology::opening;
 
 /// A square of `2·AROUND + 1` pixels of the net's map does not fit into a thin part.
 const AROUND: usize = 2;
-/// What this smaller one does not fit into is a part about as wide as a pixel of the net's map, which is drawn with half
-/// of its step: it counts twice, and a quarter more of drawn scenes' parts are found.
-const HALF_DRAWN: usize = 1;
+/// What this smaller one does not fit into is a part about as wide as a pixel of the net's map, which is drawn with a part
+/// of its step.
+const NARROW: usize = 1;
+/// So many times what is drawn of a narrow part, up to the step that such parts of drawn scenes have whatever is drawn.
+const OF_DRAWN: f32 = 4.0;
+const NARROW_PX: f32 = 0.3;
 /// What stands out by this is as likely print, or a leaf's vein: it comes back with half of its step, px.
 const PRINT_PX: f32 = 0.05;
 
 /// A map `[y, x]` without its thin parts, and how far each pixel's part stands out of what lies behind it, px.
 pub(super) fn taken_out(map: &[f32], size: [usize; 2]) -> (Vec<f32>, Vec<f32>) {
-    let [behind, half_drawn] = [AROUND, HALF_DRAWN].map(|around| opening(map, size, around));
-    let step = |((d, behind), half): ((&f32, &f32), f32)| believed(d - behind) + believed(d - half);
-    let step_px = map.iter().zip(&behind).zip(half_drawn).map(step).collect();
+    let [behind, wide] = [AROUND, NARROW].map(|around| opening(map, size, around));
+    let step = |((d, behind), wide): ((&f32, &f32), f32)| believed(d - behind) + undrawn(d - wide);
+    let step_px = map.iter().zip(&behind).zip(wide).map(step).collect();
     (behind, step_px)
 }
 
+/// How likely a step is one of depth, 0 … 1.
+fn belief(step_px: f32) -> f32 {
+    step_px.powi(2) / (step_px.powi(2) + PRINT_PX.powi(2))
+}
+
 fn believed(step_px: f32) -> f32 {
-    step_px.powi(3) / (step_px.powi(2) + PRINT_PX.powi(2))
+    step_px * belief(step_px)
+}
+
+/// What has not been drawn of a narrow part that stands out by so much.
+fn undrawn(step_px: f32) -> f32 {
+    let drawn = believed(step_px);
+    belief(step_px) * ((OF_DRAWN * drawn).min(NARROW_PX) - drawn).max(0.0)
 }
 
 /// Puts the parts back before a map that is `enlarged` times as large as the one they come from, and has one of `step_px`
-/// for each pixel. A part that this map draws itself stays as it is, where it stands out more.
-pub(super) fn put_back(map: &mut [f32], step_px: &[f32], size: [usize; 2], enlarged: f32) {
+/// for each pixel. They stand out of what lay there `before` edges moved, or of what is farther now: a petal's tip is no
+/// nearer where the petal's edge has come to it. A part that the map draws itself stays as it is, where it stands out more.
+pub(super) fn put_back(map: &mut [f32], before: &[f32], step_px: &[f32], size: [usize; 2], enlarged: f32) {
     let behind = opening(map, size, (AROUND as f32 * enlarged).round() as usize);
-    let parts = behind.iter().zip(step_px).map(|(behind, step)| behind + step);
+    let parts = behind.iter().zip(before).zip(step_px).map(|((behind, before), step)| behind.min(*before) + step);
     map.iter_mut().zip(parts).for_each(|(d, part)| *d = d.max(part));
 }
 
@@ -56,12 +71,13 @@ mod tests {
                     }
                 })
             };
-        for (wide, drawn) in [(1, 2.0), (4, 1.0)] {
-            let whole = with(0.5, wide);
+        for (wide, drawn, put) in [(1, 0.15, 0.3), (1, 0.5, 0.5), (4, 0.5, 0.5)] {
+            let whole = with(drawn, wide);
             let (mut left, thin) = taken_out(&whole, SIZE);
             left.iter().zip(with(0.0, wide)).for_each(|(a, b)| assert!((a - b).abs() < 0.05, "{a} for {b}"));
-            put_back(&mut left, &thin, SIZE, 1.0);
-            let want = with(0.5 * drawn, wide);
+            let before = left.clone();
+            put_back(&mut left, &before, &thin, SIZE, 1.0);
+            let want = with(put, wide);
             left.iter().zip(want).for_each(|(a, b)| assert!((a - b).abs() < 0.05, "{wide} px: {a} for {b}"));
         }
     }
@@ -69,17 +85,28 @@ mod tests {
     #[test]
     fn a_vein_on_a_leaf_hardly_stands_out_of_it() {
         let (mut leaf, thin) = taken_out(&map(|x, _| if x == 8 { 0.02 } else { 0.0 }), SIZE);
-        put_back(&mut leaf, &thin, SIZE, 1.0);
+        let before = leaf.clone();
+        put_back(&mut leaf, &before, &thin, SIZE, 1.0);
         assert!(leaf.iter().all(|d| (0.0..0.01).contains(d)));
     }
 
     #[test]
     fn a_part_that_a_map_draws_itself_is_not_drawn_twice() {
         let stem = map(|x, _| if x == 8 { 0.5 } else { 0.0 });
-        let (_, thin) = taken_out(&stem, SIZE);
+        let (behind, thin) = taken_out(&stem, SIZE);
         let drawn = map(|x, _| if x == 8 { 1.5 } else { 0.0 });
         let mut again = drawn.clone();
-        put_back(&mut again, &thin, SIZE, 1.0);
+        put_back(&mut again, &behind, &thin, SIZE, 1.0);
         assert_eq!(again, drawn);
+    }
+
+    #[test]
+    fn a_tip_is_no_nearer_than_its_petal_where_the_petal_has_come_to_it() {
+        let petal = |x: usize, y: usize| (10..30).contains(&y) && x < 20;
+        let tip = |x: usize, y: usize| (18..21).contains(&y) && (20..24).contains(&x);
+        let (behind, thin) = taken_out(&map(|x, y| f32::from(petal(x, y) || tip(x, y))), SIZE);
+        let mut moved = map(|x, y| f32::from(petal(x.saturating_sub(4), y)));
+        put_back(&mut moved, &behind, &thin, SIZE, 1.0);
+        assert!(moved.iter().all(|d| *d <= 1.05), "{moved:?}");
     }
 }

@@ -97,7 +97,8 @@ impl<'a> Small<'a> {
         let (behind, step_px) = thin::taken_out(&self.map, sides(self.size));
         self.map = behind;
         let mut moved = self.moved(job)?;
-        thin::put_back(&mut moved, &self.at_guide(&step_px), sides(self.guide.size()), self.enlarged);
+        let [before, step_px] = [&self.map, &step_px].map(|values| self.at_guide(values));
+        thin::put_back(&mut moved, &before, &step_px, sides(self.guide.size()), self.enlarged);
         Ok(moved)
     }
 
