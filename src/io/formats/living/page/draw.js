@@ -71,9 +71,12 @@ void main() {
     seen = bared ? vec4(back.rgb, 1.0) : vec4(textureLod(colors, at, coarse).rgb, 1.0);
     float share = (found - range.x) / max(range.y - range.x, 1e-9);
     s = sidesAt(at);
-    // A pixel of the far side keeps what lies before it: a blurred near side may have stained it.
+    // A pixel of the far side keeps what lies before it, which may have stained it; where it covers a part, it surely has.
+    float covered = min(8.0 * (1.0 - s.b), 2.0) * min(8.0 * s.g, 1.0) / 255.0;
     sides = vec4(share, 0.0, 0.0, 1.0);
-    if (!bared && s.b > 0.99) sides = vec4(min(share + s.g, 1.0), min(s.g, 1.0 - share), s.b, 1.0);
+    if (!bared && s.b > 0.5) {
+      sides = vec4(min(share + s.g, 1.0), min(s.g, 1.0 - share), s.b > 0.99 ? s.b : 1.0 - covered, 1.0);
+    }
   } else {
     seen = vec4(textureLod(colors, uv, coarse).rgb, 1.0);
     sides = vec4(s, 1.0);
