@@ -10,7 +10,8 @@ const AROUND: usize = 2;
 /// What this smaller one does not fit into is a part about as wide as a pixel of the net's map, which is drawn with a part
 /// of its step.
 const NARROW: usize = 1;
-/// So many times what is drawn of a narrow part, up to the step that such parts of drawn scenes have whatever is drawn.
+/// So many times what is drawn of a narrow part is its step, up to this one, px: in drawn scenes their true step is much the
+/// same, however little or much of it is drawn.
 const OF_DRAWN: f32 = 4.0;
 const NARROW_PX: f32 = 0.3;
 /// What stands out by this is as likely print, or a leaf's vein: it comes back with half of its step, px.

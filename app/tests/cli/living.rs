@@ -104,6 +104,8 @@ fn a_browser_shows_no_outline_of_a_blurred_near_side() {
             plenoscope(&[&["export", &photo, "--as", "html", "-o", &page][..], &lens].concat()).assert().success();
             shot(browser, &dir, &format!("{name}.html#bare{eye}"), &format!("{name}-shot.png"), [800, 300])
         });
+        let [near, far] = [100, 700].map(|x| without[(x, 150)].0);
+        assert!(near[0].abs_diff(203) < 8 && far[2].abs_diff(218) < 8, "another picture{eye}: {near:?}, {far:?}");
         let apart = |x: u32| (0..3).map(|c| with[(x, 150)].0[c].abs_diff(without[(x, 150)].0[c])).max();
         let outline = (380..480).filter_map(apart).max();
         assert!(outline < Some(8), "the outline stays{eye}: {outline:?} of 255");

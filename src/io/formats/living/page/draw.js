@@ -71,7 +71,8 @@ void main() {
     seen = bared ? vec4(back.rgb, 1.0) : vec4(textureLod(colors, at, coarse).rgb, 1.0);
     float share = (found - range.x) / max(range.y - range.x, 1e-9);
     s = sidesAt(at);
-    // A pixel of the far side keeps what lies before it, which may have stained it; where it covers a part, it surely has.
+    // A pixel of the far side keeps what lies before it, which may have stained it: so the last two steps of b say. Where it
+    // covers a quarter it surely has, if the two are well apart.
     float covered = min(8.0 * (1.0 - s.b), 2.0) * min(8.0 * s.g, 1.0) / 255.0;
     sides = vec4(share, 0.0, 0.0, 1.0);
     if (!bared && s.b > 0.5) {
