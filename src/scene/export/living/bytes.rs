@@ -20,13 +20,12 @@ impl Bytes {
         let part = |share: f32| (share.clamp(0.0, 1.0) * 255.0).round() as u8;
         // Finer steps would take a twentieth of the page, and the photo would be the coarser.
         let coarse = |share: f32| 17 * (share.clamp(0.0, 1.0) * 15.0).round() as u8;
-        let depth = |(((near, far), cover), stained): (((&f32, &f32), &f32), &f32)| {
-            let (near, far) = (byte(*near), byte(*far));
+        let depth = |i: usize| {
+            let [near, far] = [layers.near_px[i], layers.far_px[i]].map(byte);
             // A farther near side is none.
-            [near, near.saturating_sub(far), marked(part(1.0 - cover), *stained)]
+            [near, near.saturating_sub(far), marked(part(1.0 - layers.cover[i]), layers.stained[i])]
         };
-        let depths =
-            layers.near_px.iter().zip(&layers.far_px).zip(&layers.cover).zip(&layers.stained).map(depth).collect();
+        let depths = (0..layers.near_px.len()).map(depth).collect();
         let behind = layers
             .behind
             .iter()
