@@ -48,7 +48,7 @@ const RAMP_OF_MAP: f32 = 3.0;
 /// Cancelled; values beyond all measure.
 pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
     let small = Small::of(map, guide);
-    let disparity_px = if small.enlarged >= SMALL { small.moved(job)? } else { small.kept(job)? };
+    let disparity_px = if small.enlarged >= SMALL { small.moved(&small.laid(), job)? } else { small.kept(job)? };
     Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
@@ -58,7 +58,8 @@ pub fn to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<Disparity
 /// Those of [`to_guide`].
 pub(super) fn net_to_guide(map: &DisparityMap, guide: &View, job: &Job) -> Result<DisparityMap, SynthError> {
     let small = Small::of(map, guide);
-    let disparity_px = if small.enlarged >= SMALL { small.moved(job)? } else { small.moved_behind_thin(job)? };
+    let disparity_px =
+        if small.enlarged >= SMALL { small.moved(&small.laid(), job)? } else { small.moved_behind_thin(job)? };
     Ok(DisparityMap::new(guide.size(), disparity_px)?)
 }
 
@@ -85,10 +86,15 @@ impl<'a> Small<'a> {
         resample::<1>(values, self.size, self.guide.size(), Filter::Linear)
     }
 
-    /// The map at the guide's size, its edges moved to the photo's.
-    fn moved(&self, job: &Job) -> Result<Vec<f32>, Cancelled> {
+    /// The map at the guide's size, its edges soft.
+    fn laid(&self) -> Vec<f32> {
+        self.at_guide(&self.map)
+    }
+
+    /// What is [laid](Self::laid), its edges moved to the photo's.
+    fn moved(&self, laid: &[f32], job: &Job) -> Result<Vec<f32>, Cancelled> {
         let certain = self.at_guide(&certainty(&self.map, sides(self.size)));
-        let moved = spread(&self.at_guide(&self.map), &certain, self.guide, job)?;
+        let moved = spread(laid, &certain, self.guide, job)?;
         self.without_speckles(moved, job)
     }
 
@@ -96,15 +102,15 @@ impl<'a> Small<'a> {
     fn moved_behind_thin(mut self, job: &Job) -> Result<Vec<f32>, Cancelled> {
         let (behind, step_px) = thin::taken_out(&self.map, sides(self.size));
         self.map = behind;
-        let mut moved = self.moved(job)?;
-        let [before, step_px] = [&self.map, &step_px].map(|values| self.at_guide(values));
-        thin::put_back(&mut moved, &before, &step_px, sides(self.guide.size()), self.enlarged);
+        let before = self.laid();
+        let mut moved = self.moved(&before, job)?;
+        thin::put_back(&mut moved, &before, &self.at_guide(&step_px), sides(self.guide.size()), self.enlarged);
         Ok(moved)
     }
 
     /// The map at the guide's size, its edges where they are; soft ones become steps.
     fn kept(&self, job: &Job) -> Result<Vec<f32>, Cancelled> {
-        let mut kept = self.at_guide(&self.map);
+        let mut kept = self.laid();
         let reach = (RAMP_PX + RAMP_OF_MAP * self.enlarged) as usize;
         if steps::sharpness(&self.map, sides(self.size), reach) < SHARP {
             steps::settle(&mut kept, self.guide, reach, job.cancel)?;

@@ -23,8 +23,7 @@ impl Work {
         let dir = Scratch::new();
         let photos = (0..count).map(|n| dir.photo(&format!("photo-{n}.png"), width, width * 2 / 3)).collect();
         fs::write(dir.path("edit.json"), r#"{"version": 2, "lens": {"f_number": 2.0}}"#).unwrap();
-        let map = (0..32 * 48).flat_map(|at| ((at % 48) as f32 / 24.0 - 1.0).to_le_bytes());
-        fs::write(dir.path("map.pfm"), b"Pf\n48 32\n-1.0\n".iter().copied().chain(map).collect::<Vec<u8>>()).unwrap();
+        dir.map("map.pfm", [48, 32], |x| x as f32 / 24.0 - 1.0);
         Self { dir, photos }
     }
 

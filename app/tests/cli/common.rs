@@ -1,8 +1,10 @@
 //! Shared by the tests of the program: the program itself, a scratch folder, small photos, other people's data.
 
+use std::fs::File;
 use std::path::PathBuf;
 
 use assert_cmd::Command;
+use plenoscope::io::formats::pfm::write_pfm;
 
 /// The program with arguments, away from the settings and caches of whoever runs the tests.
 pub fn plenoscope(args: &[&str]) -> Command {
@@ -40,6 +42,13 @@ impl Scratch {
             image::Rgb(if bright { [250, 240, 60] } else { [ramp(x, width), ramp(y, height), 90] })
         });
         picture.save(self.path(name)).unwrap();
+        self.arg(name)
+    }
+
+    /// Writes a map that is the same in all rows, and says where it is.
+    pub fn map(&self, name: &str, [width, height]: [u32; 2], of: impl Fn(u32) -> f32) -> String {
+        let values: Vec<f32> = (0..width * height).map(|at| of(at % width)).collect();
+        write_pfm(&mut File::create(self.path(name)).unwrap(), [width, height], &values).unwrap();
         self.arg(name)
     }
 }

@@ -77,33 +77,32 @@ fn a_browser_shows_our_pictures() {
     assert!(bytes < 3_000_000, "{bytes}");
 }
 
-/// Near on the left, far on the right, as a photo and its disparities. `halo`: of the first two far columns.
-fn step(dir: &Scratch, name: &str, halo: u8) {
-    let [width, height] = [800, 300];
-    let photo = image::RgbImage::from_fn(width, height, |x, _| match x {
+/// Exports near on the left, far on the right, and says the page's name. `halo`: of the first two far columns.
+fn step(dir: &Scratch, name: &str, halo: u8) -> String {
+    let photo = image::RgbImage::from_fn(800, 300, |x, _| match x {
         ..400 => image::Rgb([203, 149, 39]),
         400..402 => image::Rgb([149, 169, 218].map(|far: u8| far.saturating_add(halo))),
         402.. => image::Rgb([149, 169, 218]),
     });
     photo.save(dir.path(&format!("{name}.png"))).unwrap();
-    let map = (0..400 * 150).flat_map(|i| if i % 400 < 200 { 1f32 } else { -1.0 }.to_le_bytes());
-    let pfm: Vec<u8> = b"Pf\n400 150\n-1.0\n".iter().copied().chain(map).collect();
-    std::fs::write(dir.path(&format!("{name}.pfm")), pfm).unwrap();
+    let map = dir.map(&format!("{name}.pfm"), [400, 150], |x| if x < 200 { 1.0 } else { -1.0 });
+    let (photo, page) = (dir.arg(&format!("{name}.png")), format!("{name}.html"));
+    let export = ["export", &photo, "--as", "html", "-o", &dir.arg(&page)];
+    let lens = ["--disparity", &map, "--focus", "700,150", "--f-number", "2"];
+    plenoscope(&[&export[..], &lens].concat()).assert().success();
+    page
 }
 
 #[test]
 fn a_browser_shows_no_outline_of_a_blurred_near_side() {
     let Some(browser) = chromium() else { return };
     let dir = Scratch::new();
+    let pages = [("with", 30), ("without", 0)].map(|(name, halo)| step(&dir, name, halo));
     // Seen straight on and from beside.
     for eye in ["", "&x=-2", "&x=2"] {
-        let [with, without] = [("with", 30), ("without", 0)].map(|(name, halo)| {
-            step(&dir, name, halo);
-            let [photo, map, page] = ["png", "pfm", "html"].map(|ending| dir.arg(&format!("{name}.{ending}")));
-            let lens = ["--disparity", &map, "--focus", "700,150", "--f-number", "2"];
-            plenoscope(&[&["export", &photo, "--as", "html", "-o", &page][..], &lens].concat()).assert().success();
-            shot(browser, &dir, &format!("{name}.html#bare{eye}"), &format!("{name}-shot.png"), [800, 300])
-        });
+        let shown =
+            |page: &String| shot(browser, &dir, &format!("{page}#bare{eye}"), &format!("{page}{eye}.png"), [800, 300]);
+        let [with, without] = pages.each_ref().map(shown);
         let [near, far] = [100, 700].map(|x| without[(x, 150)].0);
         assert!(near[0].abs_diff(203) < 8 && far[2].abs_diff(218) < 8, "another picture{eye}: {near:?}, {far:?}");
         let apart = |x: u32| (0..3).map(|c| with[(x, 150)].0[c].abs_diff(without[(x, 150)].0[c])).max();

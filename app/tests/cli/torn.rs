@@ -142,8 +142,7 @@ fn a_kill_leaves_the_old_or_the_new_whole_and_the_next_start_nothing_else() {
     write_photo(&dir, 40);
     small_nets::write_patches(&dir.path("nets"), "patches");
     fs::write(dir.path("edit.json"), r#"{"version": 2, "lens": {"f_number": 2.0}}"#).unwrap();
-    let map = (0..32 * 48).flat_map(|at| ((at % 48) as f32 / 24.0 - 1.0).to_le_bytes());
-    fs::write(dir.path("map.pfm"), b"Pf\n48 32\n-1.0\n".iter().copied().chain(map).collect::<Vec<u8>>()).unwrap();
+    dir.map("map.pfm", [48, 32], |x| x as f32 / 24.0 - 1.0);
     let kinds = kinds(&dir);
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut random = || {
