@@ -22,7 +22,7 @@ use crate::aside::NewFile;
 use crate::field::{DisparityMap, Photo, PhotoPixels, pixels};
 
 /// First bytes of an entry; the number grows with its layout and with how maps are made.
-const MAGIC: &[u8; 8] = b"PLENO\0\0\x0d";
+const MAGIC: &[u8; 8] = b"PLENO\0\0\x0e";
 /// Bytes that the folder may hold.
 const CAP_BYTES: u64 = 2 << 30;
 

@@ -100,7 +100,8 @@ impl<'a> Small<'a> {
 
     /// The same, but for thin parts, which stay where they are.
     fn moved_behind_thin(mut self, job: &Job) -> Result<Vec<f32>, Cancelled> {
-        let (behind, step_px) = thin::taken_out(&self.map, sides(self.size));
+        let long_side = self.guide.size().into_iter().fold(0, u32::max);
+        let (behind, step_px) = thin::taken_out(&self.map, sides(self.size), long_side);
         self.map = behind;
         let before = self.laid();
         let mut moved = self.moved(&before, job)?;
