@@ -46,6 +46,8 @@ pub struct Figures {
     pub edges: Option<f32>,
     /// The share of parts at most 3 px wide that stand out.
     pub thin: Option<f32>,
+    /// The share of such parts of the net's map that stand out in truth.
+    pub thin_true: Option<f32>,
 }
 
 /// Means over the pictures of a kind.
@@ -71,6 +73,8 @@ pub struct Group {
     pub edges: Option<f32>,
     /// Mean of [`Figures::thin`].
     pub thin: Option<f32>,
+    /// Mean of [`Figures::thin_true`].
+    pub thin_true: Option<f32>,
 }
 
 /// A depth map beside the truth, `[y, x]`; larger is nearer, NaN in the truth where it is not known.
@@ -103,7 +107,8 @@ impl Compared<'_> {
             fit_error: error.unwrap_or(0.0),
             edge_f: edge_f(&fitted, &true_map),
             edges: edges(&fitted, &true_map),
-            thin: thin(&fitted, &true_map),
+            thin: thin(&true_map, &fitted),
+            thin_true: thin(&fitted, &true_map),
         }
     }
 
@@ -178,16 +183,17 @@ fn edges(depth: &Raster<f32>, truth: &Raster<f32>) -> Option<f32> {
     (all > 0.0).then(|| good / all)
 }
 
-/// See [`Figures::thin`]: parts across a row or a column.
-fn thin(depth: &Raster<f32>, truth: &Raster<f32>) -> Option<f32> {
-    let [w, h] = truth.size;
+/// See [`Figures::thin`] and [`Figures::thin_true`]: the share of one map's parts across a row or a column that the other
+/// has, too.
+fn thin(parts: &Raster<f32>, found: &Raster<f32>) -> Option<f32> {
+    let [w, h] = parts.size;
     let (mut good, mut all) = (0.0f32, 0.0f32);
     for (stride, length, lines) in [(1, w, h), (w, h, w)] {
         for line in 0..lines {
             let place = |k: usize| if stride == 1 { line * w + k } else { k * w + line };
             let mut k = THIN_PX + 1;
             while k + 2 * THIN_PX + 1 < length {
-                let Some(wide) = part(truth, &place, k) else {
+                let Some(wide) = part(parts, &place, k) else {
                     k += 1;
                     continue;
                 };
@@ -196,8 +202,9 @@ fn thin(depth: &Raster<f32>, truth: &Raster<f32>) -> Option<f32> {
                     // Beyond the part's soft edge.
                     top - map.px[place(k - 2)].max(map.px[place(k + wide + 1)])
                 };
-                all += 1.0;
-                good += f32::from(out(depth) > THIN_FOUND * out(truth));
+                let is_known = (k - 2..k + wide + 2).all(|i| found.px[place(i)].is_finite());
+                all += f32::from(is_known);
+                good += f32::from(is_known && out(found) > THIN_FOUND * out(parts));
                 k += wide + 1;
             }
         }
@@ -244,6 +251,7 @@ fn group(kind: &str, figures: &[&Figures]) -> Group {
         edge_f: some(|f| f.edge_f),
         edges: some(|f| f.edges),
         thin: some(|f| f.thin),
+        thin_true: some(|f| f.thin_true),
     }
 }
 
@@ -263,7 +271,7 @@ pub fn table(title: &str, groups: &[Group]) -> String {
         let [lo, hi] = g.margin_interval;
         format!(
             "  {:<10} {:>4}  Spearman {:.3}, row {:.3}, margin {:+.3} [{lo:+.3}, {hi:+.3}]; fit {:.3}; edge F {}, edges \
-             {}, thin {}\n",
+             {}, thin {}, true {}\n",
             g.kind,
             g.count,
             g.spearman,
@@ -272,7 +280,8 @@ pub fn table(title: &str, groups: &[Group]) -> String {
             g.fit_error,
             percent(g.edge_f),
             percent(g.edges),
-            percent(g.thin)
+            percent(g.thin),
+            percent(g.thin_true)
         )
     };
     format!("{title}\n{}", groups.iter().map(line).collect::<String>())
@@ -309,7 +318,8 @@ mod tests {
         let truth = scene();
         let same = figures(&truth.iter().map(|t| 0.01 * t - 3.0).collect::<Vec<_>>(), &truth);
         assert!(same.spearman > 0.999 && same.fit_error < 0.01, "{same:?}");
-        assert_eq!((same.edge_f, same.edges, same.thin), (Some(1.0), Some(1.0), Some(1.0)));
+        let all = Some(1.0);
+        assert_eq!([same.edge_f, same.edges, same.thin, same.thin_true], [all; 4]);
         let rows: Vec<f32> = (0..truth.len()).map(|i| (i / SIZE[0]) as f32).collect();
         let ramp = figures(&rows, &truth);
         assert!((ramp.spearman - ramp.rows_spearman).abs() < 1e-6);
@@ -321,7 +331,10 @@ mod tests {
         let truth = scene();
         let without: Vec<f32> =
             truth.iter().enumerate().map(|(i, &t)| if (40..42).contains(&(i % SIZE[0])) { 0.04 } else { t }).collect();
-        assert_eq!(figures(&without, &truth).thin, Some(0.0));
+        let missed = figures(&without, &truth);
+        assert_eq!((missed.thin, missed.thin_true), (Some(0.0), None));
+        let invented = figures(&truth, &without);
+        assert_eq!((invented.thin, invented.thin_true), (None, Some(0.0)));
         let moved: Vec<f32> = (0..truth.len()).map(|i| truth[(i + 5) % truth.len()]).collect();
         assert!(figures(&moved, &truth).edges < Some(0.6));
     }
