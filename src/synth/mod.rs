@@ -20,6 +20,7 @@ pub mod fuse;
 pub mod lambertian;
 mod library;
 pub mod lift;
+mod loose;
 mod manifest;
 pub mod memory;
 mod net;

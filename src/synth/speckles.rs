@@ -41,10 +41,26 @@ pub(super) fn remove(
 
 /// The pixels of all surfaces of fewer than `least` pixels.
 fn islands(map: &[f32], size: [usize; 2], least: usize, cancel: &Cancel) -> Result<Vec<usize>, Cancelled> {
-    let mut seen = vec![false; map.len()];
     let mut islands = Vec::new();
+    let alike = |a: usize, b: usize| (map[a] - map[b]).abs() <= APART_PX;
+    surfaces(size, alike, cancel, |surface| {
+        if surface.len() < least {
+            islands.extend_from_slice(surface);
+        }
+    })?;
+    Ok(islands)
+}
+
+/// Hands on the pixels of each surface of a picture: neighbours that are `joined` lie on the same.
+pub(super) fn surfaces(
+    size: [usize; 2],
+    joined: impl Fn(usize, usize) -> bool,
+    cancel: &Cancel,
+    mut hand_on: impl FnMut(&[usize]),
+) -> Result<(), Cancelled> {
+    let mut seen = vec![false; size[0] * size[1]];
     let mut surface = Vec::new();
-    for start in 0..map.len() {
+    for start in 0..seen.len() {
         if start % size[0] == 0 {
             cancel.check()?;
         }
@@ -56,19 +72,17 @@ fn islands(map: &[f32], size: [usize; 2], least: usize, cancel: &Cancel) -> Resu
         let mut next = 0;
         while let Some(&i) = surface.get(next) {
             for n in around(size, i) {
-                if !seen[n] && (map[n] - map[i]).abs() <= APART_PX {
+                if !seen[n] && joined(n, i) {
                     seen[n] = true;
                     surface.push(n);
                 }
             }
             next += 1;
         }
-        if surface.len() < least {
-            islands.append(&mut surface);
-        }
+        hand_on(&surface);
         surface.clear();
     }
-    Ok(islands)
+    Ok(())
 }
 
 /// The up to four neighbours of a pixel.

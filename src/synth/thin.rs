@@ -3,7 +3,9 @@
 //! Where depth moves to the photo's edges, a part between two edges this close together is lost on the way. So it is
 //! taken out before, as what a square of pixels does not fit into (the white top-hat transform), and put back after.
 
+use super::loose::Ground;
 use crate::field::morphology::{extremes, opening};
+use crate::job::{Cancel, Cancelled};
 
 /// A square of `2·AROUND + 1` pixels of the net's map does not fit into a thin part.
 const AROUND: usize = 2;
@@ -62,11 +64,23 @@ fn not_a_rim(step_px: f32, fall_px: f32) -> f32 {
 
 /// Puts the parts back before a map that is `enlarged` times as large as the one they come from, and has one of `step_px`
 /// for each pixel. They stand out of what lay there `before` edges moved, or of what is farther now: a petal's tip is no
-/// nearer where the petal's edge has come to it. A part that the map draws itself stays as it is, where it stands out more.
-pub(super) fn put_back(map: &mut [f32], before: &[f32], step_px: &[f32], size: [usize; 2], enlarged: f32) {
-    let behind = opening(map, size, (AROUND as f32 * enlarged).round() as usize);
-    let parts = behind.iter().zip(before).zip(step_px).map(|((behind, before), step)| behind.min(*before) + step);
+/// nearer where the petal's edge has come to it. A part that the map draws itself stays as it is, where it stands out more,
+/// and one that hangs on nothing stays out ([`Ground::let_go`]).
+pub(super) fn put_back(
+    map: &mut [f32],
+    before: &[f32],
+    mut step_px: Vec<f32>,
+    size: [usize; 2],
+    enlarged: f32,
+    cancel: &Cancel,
+) -> Result<(), Cancelled> {
+    let mut behind = opening(map, size, (AROUND as f32 * enlarged).round() as usize);
+    behind.iter_mut().zip(before).for_each(|(behind, before)| *behind = behind.min(*before));
+    let px = size[0].max(size[1]) as f32 / LONG_SIDE;
+    Ground { size, map, behind: &behind, px }.let_go(&mut step_px, cancel)?;
+    let parts = behind.iter().zip(step_px).map(|(behind, step)| behind + step);
     map.iter_mut().zip(parts).for_each(|(d, part)| *d = d.max(part));
+    Ok(())
 }
 
 #[cfg(test)]
@@ -97,7 +111,7 @@ mod tests {
             let (mut left, thin) = taken_out(&whole, SIZE, 540);
             left.iter().zip(with(0.0, wide)).for_each(|(a, b)| assert!((a - b).abs() < 0.05, "{a} for {b}"));
             let before = left.clone();
-            put_back(&mut left, &before, &thin, SIZE, 1.0);
+            put_back(&mut left, &before, thin, SIZE, 1.0, &Cancel::default()).unwrap();
             let want = with(put, wide);
             left.iter().zip(want).for_each(|(a, b)| assert!((a - b).abs() < 0.05, "{wide} px: {a} for {b}"));
         }
@@ -107,7 +121,7 @@ mod tests {
     fn a_vein_on_a_leaf_hardly_stands_out_of_it() {
         let (mut leaf, thin) = taken_out(&map(|x, _| if x == 8 { 0.02 } else { 0.0 }), SIZE, 540);
         let before = leaf.clone();
-        put_back(&mut leaf, &before, &thin, SIZE, 1.0);
+        put_back(&mut leaf, &before, thin, SIZE, 1.0, &Cancel::default()).unwrap();
         assert!(leaf.iter().all(|d| (0.0..0.01).contains(d)));
     }
 
@@ -135,7 +149,7 @@ mod tests {
         let (behind, thin) = taken_out(&stem, SIZE, 540);
         let drawn = map(|x, _| if x == 8 { 1.5 } else { 0.0 });
         let mut again = drawn.clone();
-        put_back(&mut again, &behind, &thin, SIZE, 1.0);
+        put_back(&mut again, &behind, thin, SIZE, 1.0, &Cancel::default()).unwrap();
         assert_eq!(again, drawn);
     }
 
@@ -145,7 +159,7 @@ mod tests {
         let tip = |x: usize, y: usize| (18..21).contains(&y) && (20..24).contains(&x);
         let (behind, thin) = taken_out(&map(|x, y| f32::from(petal(x, y) || tip(x, y))), SIZE, 540);
         let mut moved = map(|x, y| f32::from(petal(x.saturating_sub(4), y)));
-        put_back(&mut moved, &behind, &thin, SIZE, 1.0);
+        put_back(&mut moved, &behind, thin, SIZE, 1.0, &Cancel::default()).unwrap();
         assert!(moved.iter().all(|d| *d <= 1.05), "{moved:?}");
     }
 }

@@ -105,7 +105,8 @@ impl<'a> Small<'a> {
         self.map = behind;
         let before = self.laid();
         let mut moved = self.moved(&before, job)?;
-        thin::put_back(&mut moved, &before, &self.at_guide(&step_px), sides(self.guide.size()), self.enlarged);
+        let (step_px, size) = (self.at_guide(&step_px), sides(self.guide.size()));
+        thin::put_back(&mut moved, &before, step_px, size, self.enlarged, job.cancel)?;
         Ok(moved)
     }
 
