@@ -22,7 +22,7 @@ pub(super) struct Ground<'a> {
     pub(super) map: &'a [f32],
     /// What the parts stand out of.
     pub(super) behind: &'a [f32],
-    /// How many px are one px of a picture of the size that lengths and steps here are those of.
+    /// Px of this picture for each of those that lengths and steps are told in.
     pub(super) px: f32,
 }
 
@@ -31,16 +31,12 @@ impl Ground<'_> {
     pub(super) fn let_go(&self, step_px: &mut [f32], cancel: &Cancel) -> Result<(), Cancelled> {
         let stands_out: Vec<bool> = step_px.iter().map(|step| *step > LEAST_PX * self.px).collect();
         let mut loose = Vec::new();
-        surfaces(
-            self.size,
-            |a, b| stands_out[a] && stands_out[b],
-            cancel,
-            |part| {
-                if stands_out[part[0]] && self.is_short(part) && !self.is_held(part, step_px) {
-                    loose.extend_from_slice(part);
-                }
-            },
-        )?;
+        let joined = |a: usize, b: usize| stands_out[a] && stands_out[b];
+        surfaces(self.size, joined, cancel, |part| {
+            if stands_out[part[0]] && self.is_short(part) && !self.is_held(part, step_px) {
+                loose.extend_from_slice(part);
+            }
+        })?;
         loose.into_iter().for_each(|i| step_px[i] = 0.0);
         Ok(())
     }

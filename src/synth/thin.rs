@@ -28,10 +28,15 @@ const RIM: f32 = 4.0;
 /// Long side of the pictures whose px those above are.
 const LONG_SIDE: f32 = 540.0;
 
+/// Px of a picture for each of those above.
+fn unit_px([w, h]: [usize; 2]) -> f32 {
+    w.max(h) as f32 / LONG_SIDE
+}
+
 /// A map `[y, x]` without its thin parts, and how far each pixel's part stands out of what lies behind it; both px of a
-/// picture with this long side.
-pub(super) fn taken_out(map: &[f32], size: [usize; 2], long_side: u32) -> (Vec<f32>, Vec<f32>) {
-    let px = long_side as f32 / LONG_SIDE;
+/// `guide` of this size.
+pub(super) fn taken_out(map: &[f32], size: [usize; 2], guide: [usize; 2]) -> (Vec<f32>, Vec<f32>) {
+    let px = unit_px(guide);
     let [behind, wide] = [AROUND, NARROW].map(|around| opening(map, size, around));
     let least = extremes(map, size, BESIDE, f32::min);
     let step_px = |i: usize| {
@@ -76,8 +81,7 @@ pub(super) fn put_back(
 ) -> Result<(), Cancelled> {
     let mut behind = opening(map, size, (AROUND as f32 * enlarged).round() as usize);
     behind.iter_mut().zip(before).for_each(|(behind, before)| *behind = behind.min(*before));
-    let px = size[0].max(size[1]) as f32 / LONG_SIDE;
-    Ground { size, map, behind: &behind, px }.let_go(&mut step_px, cancel)?;
+    Ground { size, map, behind: &behind, px: unit_px(size) }.let_go(&mut step_px, cancel)?;
     let parts = behind.iter().zip(step_px).map(|(behind, step)| behind + step);
     map.iter_mut().zip(parts).for_each(|(d, part)| *d = d.max(part));
     Ok(())
@@ -88,6 +92,7 @@ mod tests {
     use super::*;
 
     const SIZE: [usize; 2] = [40, 30];
+    const GUIDE: [usize; 2] = [540, 404];
 
     fn map(of: impl Fn(usize, usize) -> f32) -> Vec<f32> {
         (0..SIZE[0] * SIZE[1]).map(|i| of(i % SIZE[0], i / SIZE[0])).collect()
@@ -108,7 +113,7 @@ mod tests {
             };
         for (wide, drawn, put) in [(1, 0.15, 0.25), (1, 0.5, 0.5), (4, 0.5, 0.5)] {
             let whole = with(drawn, wide);
-            let (mut left, thin) = taken_out(&whole, SIZE, 540);
+            let (mut left, thin) = taken_out(&whole, SIZE, GUIDE);
             left.iter().zip(with(0.0, wide)).for_each(|(a, b)| assert!((a - b).abs() < 0.05, "{a} for {b}"));
             let before = left.clone();
             put_back(&mut left, &before, thin, SIZE, 1.0, &Cancel::default()).unwrap();
@@ -119,7 +124,7 @@ mod tests {
 
     #[test]
     fn a_vein_on_a_leaf_hardly_stands_out_of_it() {
-        let (mut leaf, thin) = taken_out(&map(|x, _| if x == 8 { 0.02 } else { 0.0 }), SIZE, 540);
+        let (mut leaf, thin) = taken_out(&map(|x, _| if x == 8 { 0.02 } else { 0.0 }), SIZE, GUIDE);
         let before = leaf.clone();
         put_back(&mut leaf, &before, thin, SIZE, 1.0, &Cancel::default()).unwrap();
         assert!(leaf.iter().all(|d| (0.0..0.01).contains(d)));
@@ -129,24 +134,25 @@ mod tests {
     fn a_thing_whose_rim_is_drawn_too_near_keeps_its_own_depth() {
         let thing = |x: usize, y: usize| (10..30).contains(&x) && (8..22).contains(&y);
         let rim = |x: usize, y: usize| thing(x, y) && !((11..29).contains(&x) && (9..21).contains(&y));
-        let (_, thin) = taken_out(&map(|x, y| f32::from(thing(x, y)) + if rim(x, y) { 0.08 } else { 0.0 }), SIZE, 540);
+        let (_, thin) =
+            taken_out(&map(|x, y| f32::from(thing(x, y)) + if rim(x, y) { 0.08 } else { 0.0 }), SIZE, GUIDE);
         assert!(thin.iter().all(|step| *step < 0.04), "{thin:?}");
-        let (_, thin) = taken_out(&map(|x, _| if x == 8 { 0.08 } else { 0.0 }), SIZE, 540);
+        let (_, thin) = taken_out(&map(|x, _| if x == 8 { 0.08 } else { 0.0 }), SIZE, GUIDE);
         assert!(thin.iter().any(|step| *step > 0.08), "the same step before a wall is a stem's: {thin:?}");
     }
 
     #[test]
     fn a_part_of_a_small_picture_is_as_deep_as_that_of_a_large_one() {
         let stem = |of: f32| map(move |x, _| if x == 8 { 0.15 * of } else { 0.0 });
-        let (_, large) = taken_out(&stem(1.0), SIZE, 540);
-        let (_, small) = taken_out(&stem(0.5), SIZE, 270);
+        let (_, large) = taken_out(&stem(1.0), SIZE, GUIDE);
+        let (_, small) = taken_out(&stem(0.5), SIZE, GUIDE.map(|side| side / 2));
         small.iter().zip(large).for_each(|(small, large)| assert!((small - 0.5 * large).abs() < 1e-5));
     }
 
     #[test]
     fn a_part_that_a_map_draws_itself_is_not_drawn_twice() {
         let stem = map(|x, _| if x == 8 { 0.5 } else { 0.0 });
-        let (behind, thin) = taken_out(&stem, SIZE, 540);
+        let (behind, thin) = taken_out(&stem, SIZE, GUIDE);
         let drawn = map(|x, _| if x == 8 { 1.5 } else { 0.0 });
         let mut again = drawn.clone();
         put_back(&mut again, &behind, thin, SIZE, 1.0, &Cancel::default()).unwrap();
@@ -157,7 +163,7 @@ mod tests {
     fn a_tip_is_no_nearer_than_its_petal_where_the_petal_has_come_to_it() {
         let petal = |x: usize, y: usize| (10..30).contains(&y) && x < 20;
         let tip = |x: usize, y: usize| (18..21).contains(&y) && (20..24).contains(&x);
-        let (behind, thin) = taken_out(&map(|x, y| f32::from(petal(x, y) || tip(x, y))), SIZE, 540);
+        let (behind, thin) = taken_out(&map(|x, y| f32::from(petal(x, y) || tip(x, y))), SIZE, GUIDE);
         let mut moved = map(|x, y| f32::from(petal(x.saturating_sub(4), y)));
         put_back(&mut moved, &behind, thin, SIZE, 1.0, &Cancel::default()).unwrap();
         assert!(moved.iter().all(|d| *d <= 1.05), "{moved:?}");

@@ -100,13 +100,12 @@ impl<'a> Small<'a> {
 
     /// The same, but for thin parts, which stay where they are.
     fn moved_behind_thin(mut self, job: &Job) -> Result<Vec<f32>, Cancelled> {
-        let long_side = self.guide.size().into_iter().fold(0, u32::max);
-        let (behind, step_px) = thin::taken_out(&self.map, sides(self.size), long_side);
+        let size = sides(self.guide.size());
+        let (behind, step_px) = thin::taken_out(&self.map, sides(self.size), size);
         self.map = behind;
         let before = self.laid();
         let mut moved = self.moved(&before, job)?;
-        let (step_px, size) = (self.at_guide(&step_px), sides(self.guide.size()));
-        thin::put_back(&mut moved, &before, step_px, size, self.enlarged, job.cancel)?;
+        thin::put_back(&mut moved, &before, self.at_guide(&step_px), size, self.enlarged, job.cancel)?;
         Ok(moved)
     }
 
