@@ -12,7 +12,7 @@ const LEAST_PX: f32 = 0.04;
 /// A longer part is a stalk, a wire or a bar, whose ends may be hidden.
 const LONG: f32 = 20.0;
 /// What a part hangs on lies within these pixels of it, and is nearer than what lies behind by this share of its step.
-const BESIDE: usize = 2;
+const BESIDE: usize = 4;
 const HELD: f32 = 0.3;
 
 /// A picture's ray depths `[y, x]` where thin parts are to be put back.
