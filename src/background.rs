@@ -3,7 +3,7 @@
 //! A pyramid is built in which a coarse cell holds the farthest surface under it. A place near an edge takes, from fine
 //! to coarse, what lies farther than its own surface: so the colours come from the far side only.
 
-use crate::field::morphology::extremes;
+use crate::field::morphology::{extremes, square};
 use crate::field::{Raster, Size, ramp, sides};
 
 /// Cells from an edge up to which the far side's colours are not trusted: a camera's sharpening and its coarse colour mix
@@ -77,7 +77,7 @@ impl Beside {
         let place = |i: usize| [i % size[0], i / size[0]].map(|at| at as i32);
         let offset = |j: usize| [0, 1].map(|axis| (place(j)[axis] - place(i)[axis]) as i8);
         let steps = |j: usize| offset(j).map(i8::unsigned_abs).into_iter().max();
-        let nearer = around(size, i, MIXED).filter(|&j| map_px[j] > map_px[i] + apart_px);
+        let nearer = square(size, i, MIXED).filter(|&j| map_px[j] > map_px[i] + apart_px);
         nearer.min_by_key(|&j| steps(j)).map(|j| Self { disparity_px: map_px[j], offset: offset(j) })
     }
 
@@ -90,13 +90,6 @@ impl Beside {
         let seen = farthest([0, 1].map(|axis| offset[axis] - shift[axis] * apart));
         ramp(0.0, 1.0, seen - farthest(offset))
     }
-}
-
-/// The places up to `reach` rows and columns from one.
-fn around([width, height]: [usize; 2], i: usize, reach: usize) -> impl Iterator<Item = usize> {
-    let (x, y) = (i % width, i / width);
-    let xs = x.saturating_sub(reach)..(x + reach + 1).min(width);
-    (y.saturating_sub(reach)..(y + reach + 1).min(height)).flat_map(move |y| xs.clone().map(move |x| y * width + x))
 }
 
 /// The edge that is nearest to a cell.

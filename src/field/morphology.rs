@@ -21,6 +21,12 @@ pub(crate) fn extremes(map: &[f32], [w, h]: [usize; 2], around: usize, most: fn(
     all
 }
 
+/// The places of the square of `2·around + 1` pixels about place `i` of a picture, row by row.
+pub(crate) fn square([w, h]: [usize; 2], i: usize, around: usize) -> impl Iterator<Item = usize> {
+    let window = move |at: usize, side: usize| at.saturating_sub(around)..(at + around + 1).min(side);
+    window(i / w, h).flat_map(move |y| window(i % w, w).map(move |x| y * w + x))
+}
+
 /// A map without the near parts that the square does not fit into: its opening.
 pub(crate) fn opening(map: &[f32], size: [usize; 2], around: usize) -> Vec<f32> {
     extremes(&extremes(map, size, around, f32::min), size, around, f32::max)

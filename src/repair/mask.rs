@@ -2,13 +2,14 @@
 
 use super::guide::{Guide, apart};
 use super::reach::neighbours;
+use crate::field::morphology::square;
 
 /// Holes smaller than this part of the thing are specks of it.
 const SPECK: f32 = 0.03;
 /// Pixels by which a thing may grow onto the mixed colours of its rim.
 const RIM: usize = 2;
 /// How far around a rim's pixel both sides' colours are looked at, in pixels.
-const AROUND: i32 = 3;
+const AROUND: usize = 3;
 
 /// The pixels of a thing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,7 +92,9 @@ impl Mask {
         for _ in 0..RIM {
             let is_mine = |i: &usize| {
                 let own = guide.colour(*i);
-                let side = |wanted: bool| guide.mean(self.around(*i).filter(|j| *j != *i && self.inside[*j] == wanted));
+                let side = |wanted: bool| {
+                    guide.mean(square(self.sides, *i, AROUND).filter(|j| *j != *i && self.inside[*j] == wanted))
+                };
                 matches!((side(true), side(false)), (Some(a), Some(b)) if apart(own, a) < apart(own, b))
             };
             let is_beside = |i: &usize| !self.inside[*i] && neighbours(self.sides, *i).any(|(n, _)| self.inside[n]);
@@ -99,16 +102,6 @@ impl Mask {
             more.into_iter().for_each(|i| self.inside[i] = true);
         }
         self
-    }
-
-    fn around(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
-        let [w, h] = self.sides.map(|side| side as i32);
-        let (x, y) = (i as i32 % w, i as i32 / w);
-        let places = (-AROUND..=AROUND).flat_map(|dy| (-AROUND..=AROUND).map(move |dx| (dx, dy)));
-        places.filter_map(move |(dx, dy)| {
-            let (x, y) = (x + dx, y + dy);
-            (x >= 0 && y >= 0 && x < w && y < h).then(|| (y * w + x) as usize)
-        })
     }
 }
 

@@ -7,6 +7,7 @@ use super::guide::{Guide, apart};
 use super::mask::Mask;
 use super::reach::walk;
 use super::{Place, Region as Asked, Repair, lasso, operation};
+use crate::field::morphology::square;
 use crate::field::{DisparityMap, FieldError, Raster};
 use crate::job::{Cancelled, Job, Stage};
 
@@ -172,14 +173,10 @@ impl Mender {
 
     /// The colour around a pixel.
     fn around(&self, i: usize) -> [f32; 3] {
-        let [w, h] = self.sides();
         let reach = ((SEED * self.long_px()).round() as usize).max(1);
-        let (x, y) = (i % w, i / w);
-        let rows = y.saturating_sub(reach)..(y + reach + 1).min(h);
-        let square = rows.flat_map(|y| (x.saturating_sub(reach)..(x + reach + 1).min(w)).map(move |x| y * w + x));
         // A click beside an edge means its own side.
         let own = self.guide.colour(i);
-        let alike = square.filter(|j| apart(self.guide.colour(*j), own) < ALIKE);
+        let alike = square(self.sides(), i, reach).filter(|j| apart(self.guide.colour(*j), own) < ALIKE);
         self.guide.mean(alike).unwrap_or(own)
     }
 

@@ -3,9 +3,9 @@
 //! A net draws them as it draws leaves and twigs. But a small thing in the air before nothing is far or no thing at all: it
 //! stays with what lies behind it, sharp as that is. What hangs on a stem, or is cut off by the picture's edge, is kept.
 
-use crate::job::{Cancel, Cancelled};
-
 use super::speckles::surfaces;
+use crate::field::morphology::square;
+use crate::job::{Cancel, Cancelled};
 
 /// Pixels with less of a step than this belong to no part.
 const LEAST_PX: f32 = 0.04;
@@ -56,13 +56,7 @@ impl Ground<'_> {
         let nearest = part.iter().map(|&i| self.behind[i] + step_px[i]).fold(f32::MIN, f32::max);
         let behind = part.iter().map(|&i| self.behind[i]).sum::<f32>() / part.len() as f32;
         let holds = behind + HELD * (nearest - behind);
-        part.iter().any(|&i| self.around(i).any(|i| self.map[i] > holds))
-    }
-
-    fn around(&self, i: usize) -> impl Iterator<Item = usize> {
-        let [w, h] = self.size;
-        let window = |at: usize, side: usize| at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(side);
-        window(i / w, h).flat_map(move |y| window(i % w, w).map(move |x| y * w + x))
+        part.iter().any(|&i| square(self.size, i, BESIDE).any(|i| self.map[i] > holds))
     }
 }
 
