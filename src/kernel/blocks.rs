@@ -1,12 +1,17 @@
 //! A memory allocator for binaries: large blocks lie on huge pages and are used again instead of mapped afresh.
 //!
 //! Each layer of a net writes tens of megabytes into memory it has just got. Mapped afresh, every 4 KiB of it costs a
-//! page fault, which took half of the time of the nets. Small blocks go to the system's allocator.
+//! page fault, which took half of the time of the nets. Blocks of less than a huge page share some ([`shelves`]); small
+//! ones go to the system's allocator.
 //!
 //! Lengths are rounded up to one of eight an octave, so that layers of nearly the same size take each other's blocks.
 
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use shelves::Shelves;
+
+mod shelves;
 
 /// Size of a huge page, and the smallest block that is kept.
 const PAGE_BYTES: usize = 2 << 20;
@@ -31,6 +36,16 @@ struct Kept {
     blocks: [(usize, usize); SLOTS],
     count: usize,
     bytes: usize,
+}
+
+static SHELVES: Mutex<Shelves> = Mutex::new(Shelves::NONE);
+
+fn shelves() -> MutexGuard<'static, Shelves> {
+    SHELVES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn shelved(layout: Layout) -> Option<*mut u8> {
+    shelves::places(layout).and_then(|places| shelves().take(places))
 }
 
 static KEPT: Mutex<Kept> = Mutex::new(Kept { blocks: [(0, 0); SLOTS], count: 0, bytes: 0 });
@@ -122,7 +137,17 @@ unsafe fn free(block: *mut u8, len: usize) {
     unsafe { libc::munmap(block.cast(), len) };
 }
 
-/// Elsewhere no block is a large one (see [`huge`]).
+/// Lets the system have the pages of a block, which is zeros when it is used again.
+///
+/// # Safety
+/// It lies in what came from [`fresh`], and nobody uses it.
+#[cfg(target_os = "linux")]
+unsafe fn forget(block: *mut u8, len: usize) {
+    // SAFETY: the caller's word; a refusal does no harm.
+    unsafe { libc::madvise(block.cast(), len, libc::MADV_DONTNEED) };
+}
+
+/// Elsewhere no block is a large one (see [`huge`]), nor on a shelf.
 #[cfg(not(target_os = "linux"))]
 fn fresh(_len: usize) -> *mut u8 {
     std::ptr::null_mut()
@@ -131,34 +156,43 @@ fn fresh(_len: usize) -> *mut u8 {
 #[cfg(not(target_os = "linux"))]
 unsafe fn free(_block: *mut u8, _len: usize) {}
 
+#[cfg(not(target_os = "linux"))]
+unsafe fn forget(_block: *mut u8, _len: usize) {}
+
 fn kept(len: usize) -> Option<*mut u8> {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner).take(len).map(|address| address as *mut u8)
 }
 
-// SAFETY: small blocks are the system allocator's from end to end. A large one is mapped and unmapped with the same rounded
-// length, and between the two it is either in use or kept, never both: `take` and `keep` hold the lock.
+// SAFETY: small blocks are the system allocator's from end to end, or have places of a shelf that no other block has until
+// they are given back. A large one is mapped and unmapped with the same rounded length, and between the two it is either in
+// use or kept, never both: `take` and `keep` hold the lock.
 unsafe impl GlobalAlloc for LargeBlocks {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         match huge(layout) {
             Some(block) => kept(block.size()).unwrap_or_else(|| fresh(block.size())),
             // SAFETY: the caller's word.
-            None => unsafe { System.alloc(layout) },
+            None => shelved(layout).unwrap_or_else(|| unsafe { System.alloc(layout) }),
         }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        let Some(block) = huge(layout) else {
-            // SAFETY: the caller's word.
-            return unsafe { System.alloc_zeroed(layout) };
-        };
-        let Some(used) = kept(block.size()) else { return fresh(block.size()) };
         // SAFETY: nobody else has it, and it is as long.
-        unsafe { used.write_bytes(0, layout.size()) };
-        used
+        let zeroed = |used: *mut u8| unsafe {
+            used.write_bytes(0, layout.size());
+            used
+        };
+        match huge(layout) {
+            Some(block) => kept(block.size()).map_or_else(|| fresh(block.size()), zeroed),
+            // SAFETY: the caller's word.
+            None => shelved(layout).map_or_else(|| unsafe { System.alloc_zeroed(layout) }, zeroed),
+        }
     }
 
     unsafe fn dealloc(&self, address: *mut u8, layout: Layout) {
         let Some(block) = huge(layout) else {
+            if shelves::places(layout).is_some_and(|places| shelves().give_back(address, places)) {
+                return;
+            }
             // SAFETY: the caller's word; it came from the system's allocator.
             return unsafe { System.dealloc(address, layout) };
         };
