@@ -98,6 +98,11 @@ impl ModelFile {
         OnnxFile { bytes: self.onnx.as_onnx(), folder: self.folder.as_deref(), wiring }
     }
 
+    /// Whether it is part of the program.
+    pub(super) fn is_built_in(&self) -> bool {
+        matches!(self.onnx, ModelBytes::Embedded(_))
+    }
+
     /// Checks that the ONNX file still is the one that the manifest describes.
     pub(super) fn check(&self) -> Result<(), ModelError> {
         let sum = match &self.onnx {
