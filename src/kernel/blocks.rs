@@ -1,7 +1,7 @@
 //! A memory allocator for binaries: large blocks lie on huge pages and are used again instead of mapped afresh.
 //!
 //! Each layer of a net writes tens of megabytes into memory it has just got. Mapped afresh, every 4 KiB of it costs a
-//! page fault, which took half of the time of the nets. Blocks of less than a huge page share some ([`shelves`]); small
+//! page fault, which took half of the time of the nets. Blocks of less than a huge page share some (`shelves`); small
 //! ones go to the system's allocator.
 //!
 //! Lengths are rounded up to one of eight an octave, so that layers of nearly the same size take each other's blocks.
@@ -39,15 +39,6 @@ struct Kept {
 }
 
 static SHELVES: Mutex<Shelves> = Mutex::new(Shelves::NONE);
-
-fn shelves() -> MutexGuard<'static, Shelves> {
-    SHELVES.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn shelved(layout: Layout) -> Option<*mut u8> {
-    shelves::places(layout).and_then(|places| shelves().take(places))
-}
-
 static KEPT: Mutex<Kept> = Mutex::new(Kept { blocks: [(0, 0); SLOTS], count: 0, bytes: 0 });
 
 impl Kept {
@@ -161,6 +152,15 @@ unsafe fn forget(_block: *mut u8, _len: usize) {}
 
 fn kept(len: usize) -> Option<*mut u8> {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner).take(len).map(|address| address as *mut u8)
+}
+
+fn shelves() -> MutexGuard<'static, Shelves> {
+    SHELVES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A block on a shelf; none where shelves are not for it, or full.
+fn shelved(layout: Layout) -> Option<*mut u8> {
+    shelves::places(layout).and_then(|places| shelves().take(places))
 }
 
 // SAFETY: small blocks are the system allocator's from end to end, or have places of a shelf that no other block has until

@@ -77,12 +77,13 @@ impl Shelves {
     /// Gives back a block of so many places; whether it lay on a shelf. Of empty shelves one keeps its memory.
     pub(super) fn give_back(&mut self, block: *mut u8, places: usize) -> bool {
         let shelves = &mut self.shelves[..self.count];
-        let Some(own) = shelves.iter().position(|shelf| shelf.place(block).is_some()) else { return false };
-        let first = shelves[own].place(block).unwrap_or_default();
-        shelves[own].mark(first..first + places, false);
-        if shelves[own].free == PLACES && shelves.iter().filter(|shelf| shelf.free == PLACES).count() > 1 {
+        let own = shelves.iter_mut().find_map(|shelf| shelf.place(block).map(|first| (shelf, first)));
+        let Some((shelf, first)) = own else { return false };
+        shelf.mark(first..first + places, false);
+        let emptied = (shelf.free == PLACES).then_some(shelf.first);
+        if let Some(memory) = emptied.filter(|_| shelves.iter().filter(|shelf| shelf.free == PLACES).count() > 1) {
             // SAFETY: nobody has any of it.
-            unsafe { forget(shelves[own].first, SHELF_BYTES) };
+            unsafe { forget(memory, SHELF_BYTES) };
         }
         true
     }
@@ -150,15 +151,14 @@ impl Shelf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::numbers;
 
     #[test]
     fn blocks_take_the_first_gap_that_is_long_enough() {
         let mut shelf = Shelf::all_free(null_mut());
-        let (mut blocks, mut taken, mut chance) = (Vec::new(), [false; PLACES], 7_u64);
-        let mut below = |most: usize| {
-            chance = chance.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (chance >> 33) as usize % most
-        };
+        let (mut blocks, mut taken) = (Vec::new(), [false; PLACES]);
+        let mut chance = numbers(7, 40_000).into_iter();
+        let mut below = |most: usize| (0.5 * (chance.next().unwrap() + 1.0) * most as f32) as usize;
         for _ in 0..20_000 {
             if blocks.is_empty() || below(9) < 5 {
                 let places = 1 + below(70);
@@ -196,6 +196,9 @@ mod tests {
             assert!(values.iter().all(|value| *value == i as u8), "another block lies on block {i}");
         }
         assert!(blocks.iter().all(|block| shelves.give_back(*block, places)));
+        // SAFETY: nobody's, but there.
+        let left = [1, 39].map(|i| unsafe { *blocks[i] });
+        assert_eq!(left, [1, 0], "of two empty shelves the second gives its memory back");
         assert!(!shelves.give_back([0_u8; 9].as_mut_ptr(), places), "what lies elsewhere is not theirs");
         assert_eq!(shelves.take(places), Some(blocks[0]));
     }
