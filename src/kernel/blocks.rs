@@ -77,8 +77,8 @@ fn huge(layout: Layout) -> Option<Layout> {
     Layout::from_size_align(len, PAGE_BYTES).ok()
 }
 
-/// Lets the C library keep what is freed of smaller blocks, too: layers of a megabyte cost page faults as well, a tenth of
-/// a net's time.
+/// Lets the C library keep what is freed of the blocks that no shelf takes: pages that are given back and asked for anew
+/// cost page faults.
 #[cfg(target_os = "linux")]
 fn keep_smaller() {
     #[cfg(target_env = "gnu")]

@@ -13,8 +13,6 @@ use crate::kernel::team;
 const LEAST_PRODUCTS: usize = 160 * 128;
 /// Tiles that are done together: one component of them and its weights stay in the second cache.
 const MOST_TILES: usize = 192;
-/// Values of a buffer at least: so large ones are kept by [`LargeBlocks`](crate::kernel::blocks::LargeBlocks).
-const LEAST_ROOM: usize = (2 << 20) / size_of::<f32>();
 /// Tiles that a thread transforms at a time.
 const TASK_TILES: usize = 2;
 
@@ -30,7 +28,7 @@ pub(super) fn run(isa: Isa, tiles: &Tiles, cancel: Option<&AtomicBool>) -> Resul
     let most = tiles.origins.len().min(MOST_TILES).next_multiple_of(TOGETHER);
     // One line more, lest all components of a tile fall into one set of the cache.
     let step = most * rows + 16;
-    let room = (COMPONENTS * step).max(LEAST_ROOM);
+    let room = COMPONENTS * step;
     let (mut inputs, mut sums) = (Vec::with_capacity(room), Vec::with_capacity(room));
     let (inputs, sums) = (SendPtr(inputs.as_mut_ptr()), SendPtr(sums.as_mut_ptr()));
     // As many in each round, so that none has a few alone.
