@@ -81,6 +81,10 @@ pub struct LossWeights {
     #[arg(long, default_value_t = 0.0, help_heading = "Losses")]
     #[serde(default)]
     pub w_thin: f32,
+    /// Pixels that stand out of both their sides and in truth do not, as print does, beside what every pixel weighs
+    #[arg(long, default_value_t = 0.0, help_heading = "Losses")]
+    #[serde(default)]
+    pub w_print: f32,
     /// Least step of the true ray depths that makes such a pair, px per view step
     #[arg(long, default_value_t = 0.12, help_heading = "Losses")]
     pub ordinal_apart_px: f32,
@@ -223,7 +227,7 @@ pub struct Config {
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub pitfalls: f32,
-    /// Part of the scenes in three dimensions of which a window of twice the size is shown, as a fine pass sees them
+    /// Part of the scenes in three dimensions of which a window is shown, two or three times as large, as a fine pass sees them
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub fine: f32,

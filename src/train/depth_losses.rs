@@ -14,6 +14,9 @@ const UNIT_SIDE_PX: f32 = 288.0;
 /// The share of the largest errors that is trimmed where the truth is worth nothing.
 const MOST_TRIMMED: f32 = 0.25;
 
+/// The part of what makes a pair of the ordinal loss by which print may stand out.
+const PRINT_SLACK: f32 = 0.25;
+
 /// All losses of a batch of predicted ray depths, and their weighed gradient.
 pub(crate) fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) -> (Parts, Vec<f32>) {
     let maps = &batch.maps;
@@ -56,11 +59,15 @@ pub(crate) fn depth_losses(batch: &Batch, depth: &[f32], weights: &LossWeights) 
             loss::affine(maps, depth, truth, &fits, weights.w_edges, weights.w_affine / small, g) / small,
         );
     }
+    // A map that another net made knows no thin parts.
+    let known = |(apart, worth): (&f32, &f32)| if *worth < 1.0 { 0.0 } else { *apart };
+    let apart: Vec<f32> = apart.iter().zip(&batch.worth).map(known).collect();
     if weights.w_thin > 0.0 {
-        // A map that another net made knows no thin parts.
-        let known = |(apart, worth): (&f32, &f32)| if *worth < 1.0 { 0.0 } else { *apart };
-        let apart: Vec<f32> = apart.iter().zip(&batch.worth).map(known).collect();
         parts.insert("thin", loss::thin_parts(maps, depth, truth, &apart, weights.w_thin / small, g) / small);
+    }
+    if weights.w_print > 0.0 {
+        let slack: Vec<f32> = apart.iter().map(|apart| PRINT_SLACK * apart).collect();
+        parts.insert("print", loss::print(maps, depth, truth, &slack, weights.w_print / small, g) / small);
     }
     smoothness(maps, depth, weights, small, g, &mut parts);
     // What is worth less moves the net less; the losses told are those of all.

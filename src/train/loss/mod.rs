@@ -5,6 +5,7 @@
 
 mod flow;
 mod photometric;
+mod print;
 mod smooth;
 mod subject;
 mod supervised;
@@ -12,6 +13,7 @@ mod thin;
 
 pub use flow::{flowed, flowed_views, regressed, regressed_views};
 pub use photometric::{photometric, rendered_gradient, rendered_views};
+pub use print::print;
 pub use smooth::{consistency, total_variation};
 pub use subject::subject_order;
 pub use supervised::{Along, Fit, affine, affine_fit, ordinal, row_centred, supervised};
@@ -62,6 +64,28 @@ impl Maps {
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The rows of a map, then its columns.
+    fn lines(&self) -> impl Iterator<Item = Line> + use<> {
+        let (w, h) = (self.width, self.height);
+        let rows = (0..h).map(move |y| Line { first: y * w, stride: 1, length: w });
+        rows.chain((0..w).map(move |x| Line { first: x, stride: w, length: h }))
+    }
+}
+
+/// A row or a column of a map.
+#[derive(Clone, Copy)]
+struct Line {
+    first: usize,
+    stride: usize,
+    length: usize,
+}
+
+impl Line {
+    /// The index of its pixel `k`.
+    fn at(self, k: usize) -> usize {
+        self.first + k * self.stride
     }
 }
 

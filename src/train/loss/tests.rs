@@ -55,6 +55,14 @@ fn supervised_losses_have_their_derivatives() {
 }
 
 #[test]
+fn print_has_its_derivatives() {
+    // Without gaps, beside which nothing is asked for.
+    let maps = Maps { height: 12, width: 16, ..maps() };
+    let (depth, truth) = (random(maps.len(), 1, -1.0, 1.0), random(maps.len(), 5, -0.1, 0.1));
+    check(&depth, |d, w, g| print(&maps, d, &truth, &[0.02, 0.01], w, g));
+}
+
+#[test]
 fn photometric_and_smoothness_losses_have_their_derivatives() {
     let maps = maps();
     let depth = random(maps.len(), 2, -0.8, 0.8);

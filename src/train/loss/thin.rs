@@ -42,16 +42,11 @@ pub fn thin_parts(maps: &Maps, depth: &[f32], truth: &[f32], apart: &[f32], weig
 
 /// Pixels of thin parts of a map of true ray depths, each with what lies on either side, beyond the part's soft edge.
 fn pairs(maps: &Maps, truth: &[f32], step: f32) -> impl Iterator<Item = (usize, usize)> {
-    let (w, h) = (maps.width, maps.height);
-    let lines = [(1, w, h), (w, h, w)].into_iter();
-    lines.flat_map(move |(stride, length, lines)| {
-        (0..lines).flat_map(move |line| {
-            let place = move |k: usize| if stride == 1 { line * w + k } else { k * w + line };
-            (2..length.saturating_sub(WIDEST_PX + 2)).flat_map(move |k| {
-                let wide = part(&|k| truth[place(k)], k, step).unwrap_or(0);
-                let sides = [place(k - 2), place(k + wide.max(1) + 1)];
-                (k..k + wide).flat_map(move |k| sides.map(|side| (place(k), side)))
-            })
+    maps.lines().flat_map(move |line| {
+        (2..line.length.saturating_sub(WIDEST_PX + 2)).flat_map(move |k| {
+            let wide = part(&|k| truth[line.at(k)], k, step).unwrap_or(0);
+            let sides = [k - 2, k + wide.max(1) + 1].map(|k| line.at(k));
+            (k..k + wide).flat_map(move |k| sides.map(|side| (line.at(k), side)))
         })
     })
 }

@@ -65,8 +65,8 @@ pub const REFERENCE: usize = 36;
 pub const MEASURED: f32 = 0.15;
 /// Usual share of lifted maps whose depth was not measured that are rooms with good maps.
 pub const ROOMS: f32 = 0.2;
-/// By how much the picture is larger of which a fine sample is a window.
-pub const FINE: usize = 2;
+/// By how much the picture is larger of which a fine sample is a window: one of these.
+pub const FINE: [usize; 2] = [2, 3];
 /// Share of the rest that show flowers.
 const FLOWERS: f32 = 0.2;
 /// Tells the chance of turned photos from that of all else.
@@ -134,8 +134,8 @@ pub struct Config {
     /// Share of scenes in three dimensions that show what nets read wrongly: bare tops under uneven light, bright upper
     /// walls, portraits, wide land and streets under clouds, flowers from near, things on ledges and blossoms on boughs before the wide world.
     pub pitfalls: f32,
-    /// Share of scenes in three dimensions of which a window is shown, [`FINE`] times as large: what a pass over a larger
-    /// picture sees. Their ray depths spread as far as those of whole ones.
+    /// Share of scenes in three dimensions of which a window is shown, [`FINE`] times as large: what passes
+    /// over larger pictures see. Their ray depths spread as far as those of whole ones.
     pub fine: f32,
 }
 
@@ -430,7 +430,8 @@ impl Source {
     fn solid(&self, rng: &mut Rng, index: u64, crop: [usize; 2], views: Vec<usize>) -> Sample {
         let canvas = self.canvas(rng, crop);
         if self.config.fine > 0.0 && rng.chance(self.config.fine) {
-            let whole = self.solid_of(index, crop.map(|side| FINE * side), views, &canvas);
+            let larger = FINE[rng.below(FINE.len())];
+            let whole = self.solid_of(index, crop.map(|side| larger * side), views, &canvas);
             return whole.cut(whole.telling_window(rng, crop), crop);
         }
         self.solid_of(index, crop, views, &canvas)

@@ -212,27 +212,33 @@ fn photos_without_masks_are_enough() {
 }
 
 #[test]
-fn a_fine_scene_is_a_window_of_one_twice_as_large() {
+fn a_fine_scene_is_a_window_of_a_larger_one() {
     let mut source = source(KINDS[0], 1, 5);
     let (crop, views) = ([48, 32], vec![REFERENCE]);
     let drawn = |source: &Source, index| source.solid(&mut Rng::new(7, index), index, crop, views.clone());
     assert_eq!(drawn(&source, 3).yx, [-1.0, 1.0, -1.0, 1.0]);
     source.config.fine = 1.0;
-    let corners: std::collections::BTreeSet<_> = (0..4)
+    let mut sizes = std::collections::BTreeSet::new();
+    let corners: std::collections::BTreeSet<_> = (0..8)
         .map(|index| {
             let sample = drawn(&source, index);
             assert_eq!(sample, drawn(&source, index));
             assert_eq!((sample.size, sample.disparity.len(), sample.rgb.len()), (crop, 48 * 32, 3 * 48 * 32));
             let [top, bottom, left, right] = sample.yx;
-            // 31 of 63 steps and 47 of 95, of a picture that spans 2.
-            assert!((bottom - top - 62.0 / 63.0).abs() < 1e-5 && (right - left - 94.0 / 95.0).abs() < 1e-5);
+            // 31 of 63 steps and 47 of 95, or 31 of 95 and 47 of 143, of a picture that spans 2.
+            let is_of = |high: f32, wide: f32| {
+                (bottom - top - 62.0 / high).abs() < 1e-5 && (right - left - 94.0 / wide).abs() < 1e-5
+            };
+            assert!(is_of(63.0, 95.0) || is_of(95.0, 143.0));
+            sizes.insert((94.0 / (right - left)).round() as u32);
             assert!(top >= -1.0 && left >= -1.0 && bottom < 1.001 && right < 1.001);
             [top, left].map(f32::to_bits)
         })
         .collect();
-    assert!(corners.len() > 2, "windows lie anywhere");
+    assert!(corners.len() > 4, "windows lie anywhere");
+    assert_eq!(sizes.len(), 2, "pictures are of both sizes: {sizes:?}");
     let canvas = source.canvas(&mut Rng::new(7, 3), crop);
-    let whole = source.solid_of(3, crop.map(|side| FINE * side), views.clone(), &canvas);
+    let whole = source.solid_of(3, crop.map(|side| 2 * side), views.clone(), &canvas);
     let cut = whole.cut([10, 20], crop);
     let pixel = |sample: &Sample, x: usize, y: usize| sample.disparity[y * sample.size[0] + x];
     assert!((0..32).all(|y| (0..48).all(|x| pixel(&cut, x, y) == pixel(&whole, x + 10, y + 20))));
