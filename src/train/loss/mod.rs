@@ -19,6 +19,8 @@ pub use subject::subject_order;
 pub use supervised::{Along, Fit, affine, affine_fit, ordinal, row_centred, supervised};
 pub use thin::thin_parts;
 
+use rayon::prelude::*;
+
 use crate::nets::REFERENCE;
 
 /// Sizes of a batch of ray-depth maps.
@@ -87,6 +89,38 @@ impl Line {
     fn at(self, k: usize) -> usize {
         self.first + k * self.stride
     }
+}
+
+/// A cost, and two pixels of a map: the one that it moves back, and the one that it moves forward.
+type Cost = (f32, [usize; 2]);
+
+/// Sum of the costs of pairs of pixels, as a mean over all known pixels. `pairs` tells those of a map, of its true ray depths and
+/// of what `px` says of the sample; 0 leaves a sample out.
+fn costs<'a, P: Iterator<Item = Cost>>(
+    maps: &Maps,
+    [depth, truth]: [&'a [f32]; 2],
+    px: &[f32],
+    weight: f32,
+    gradient: &mut [f32],
+    pairs: impl Fn([&'a [f32]; 2], f32) -> P + Sync,
+) -> f32 {
+    let plane = maps.plane();
+    let known = truth.par_iter().filter(|t| !t.is_nan()).count().max(1) as f32;
+    let sums: Vec<f64> = (depth.par_chunks(plane), truth.par_chunks(plane), gradient.par_chunks_mut(plane))
+        .into_par_iter()
+        .enumerate()
+        .map(|(map, (d, t, g))| {
+            let px = px[map / maps.views.len()];
+            let mut sum = 0.0f64;
+            for (cost, [back, forward]) in (px > 0.0).then(|| pairs([d, t], px)).into_iter().flatten() {
+                sum += f64::from(cost);
+                g[back] += weight / known;
+                g[forward] -= weight / known;
+            }
+            sum
+        })
+        .collect();
+    (sums.iter().sum::<f64>() / f64::from(known)) as f32
 }
 
 /// Sign with 0 for 0 (and for NaN).

@@ -1,8 +1,6 @@
 //! Print: a line or a letter on a flat thing, which a net takes for a thin part before it.
 
-use rayon::prelude::*;
-
-use super::{Line, Maps};
+use super::{Cost, Line, Maps, costs};
 
 /// A pixel stands out of what lies this many pixels away on both sides, along its row or column.
 const BESIDE: usize = 3;
@@ -13,34 +11,13 @@ const NEAR: usize = 2;
 /// far a pixel stands out of both its sides; for the truth the largest one near by. `slack` is in px of each sample; 0
 /// leaves a sample out.
 pub fn print(maps: &Maps, depth: &[f32], truth: &[f32], slack: &[f32], weight: f32, gradient: &mut [f32]) -> f32 {
-    let plane = maps.plane();
-    let known = truth.par_iter().filter(|t| !t.is_nan()).count().max(1) as f32;
-    let sums: Vec<f64> = (depth.par_chunks(plane), truth.par_chunks(plane), gradient.par_chunks_mut(plane))
-        .into_par_iter()
-        .enumerate()
-        .map(|(map, (d, t, g))| {
-            let slack = slack[map / maps.views.len()];
-            let mut sum = 0.0f64;
-            for line in maps.lines().filter(|_| slack > 0.0) {
-                for (excess, [at, side]) in false_parts(line, d, t, slack) {
-                    sum += f64::from(excess);
-                    g[at] += weight / known;
-                    g[side] -= weight / known;
-                }
-            }
-            sum
-        })
-        .collect();
-    (sums.iter().sum::<f64>() / f64::from(known)) as f32
+    costs(maps, [depth, truth], slack, weight, gradient, |of, slack| {
+        maps.lines().flat_map(move |line| false_parts(line, of, slack))
+    })
 }
 
 /// Pixels of a line that stand out too far: by how much, which one, and out of which.
-fn false_parts<'a>(
-    line: Line,
-    depth: &'a [f32],
-    truth: &'a [f32],
-    slack: f32,
-) -> impl Iterator<Item = (f32, [usize; 2])> + 'a {
+fn false_parts(line: Line, [depth, truth]: [&[f32]; 2], slack: f32) -> impl Iterator<Item = Cost> {
     let far = BESIDE + NEAR;
     (far..line.length.saturating_sub(far)).filter_map(move |k| {
         let sides = [k - BESIDE, k + BESIDE].map(|k| line.at(k));

@@ -1,8 +1,6 @@
 //! Thin parts: a stem, a strand or a rail is so few pixels that a net which averages them away loses nothing by the other losses.
 
-use rayon::prelude::*;
-
-use super::Maps;
+use super::{Maps, costs};
 
 /// Most pixels across a part.
 const WIDEST_PX: usize = 3;
@@ -15,29 +13,12 @@ const MOST: f32 = 4.0;
 /// column, as a mean over all known pixels: a thin part's pixel weighs as much as any other does at this weight. The
 /// margin is the true step. `apart` is in px of each sample; 0 leaves a sample out.
 pub fn thin_parts(maps: &Maps, depth: &[f32], truth: &[f32], apart: &[f32], weight: f32, gradient: &mut [f32]) -> f32 {
-    let plane = maps.plane();
-    let known = truth.par_iter().filter(|t| !t.is_nan()).count().max(1) as f32;
-    let sums: Vec<f64> = (depth.par_chunks(plane), truth.par_chunks(plane), gradient.par_chunks_mut(plane))
-        .into_par_iter()
-        .enumerate()
-        .map(|(map, (d, t, g))| {
-            let apart = apart[map / maps.views.len()];
-            if apart <= 0.0 {
-                return 0.0;
-            }
-            let mut sum = 0.0f64;
-            for (i, side) in pairs(maps, t, STEP * apart) {
-                let lack = (t[i] - t[side]).min(MOST * apart) - (d[i] - d[side]);
-                if lack > 0.0 {
-                    sum += f64::from(lack);
-                    g[i] += -weight / known;
-                    g[side] += weight / known;
-                }
-            }
-            sum
+    costs(maps, [depth, truth], apart, weight, gradient, |[d, t], apart| {
+        pairs(maps, t, STEP * apart).filter_map(move |(i, side)| {
+            let lack = (t[i] - t[side]).min(MOST * apart) - (d[i] - d[side]);
+            (lack > 0.0).then_some((lack, [side, i]))
         })
-        .collect();
-    (sums.iter().sum::<f64>() / f64::from(known)) as f32
+    })
 }
 
 /// Pixels of thin parts of a map of true ray depths, each with what lies on either side, beyond the part's soft edge.
