@@ -223,7 +223,7 @@ pub struct Config {
     #[serde(default)]
     pub shading: f32,
     /// Part of the scenes in three dimensions that show bare tops under uneven light, bright upper walls, portraits,
-    /// wide land, clouds, flowers from near, things on ledges
+    /// wide land, clouds, flowers from near, things on ledges, bold patterns, long shadows, sunlight in patches
     #[arg(long, default_value_t = 0.0)]
     #[serde(default)]
     pub pitfalls: f32,

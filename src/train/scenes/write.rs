@@ -69,7 +69,7 @@ pub fn command() -> Command {
         )
         .arg(part("turned", "Part of the lifted maps that lie on a side or upside down"))
         .arg(part("shading", "Part of the samples on which falls light that says nothing about depth"))
-        .arg(part("pitfalls", "Part of the scenes that show bare tops, bright upper walls, portraits, wide land, clouds, flowers from near, things on ledges, bold patterns"))
+        .arg(part("pitfalls", "Part of the scenes that show bare tops, bright upper walls, portraits, wide land, clouds, flowers from near, things on ledges, bold patterns, long shadows, sunlight in patches"))
         .arg(part("fine", "Part of the scenes in three dimensions of which a window is shown, two or three times as large"))
         .arg(arg!(--"held-out" "Photos that training never sees, as they are: what methods are judged by"))
         .arg(arg!(--eslf "Write Lytro's ESLF pictures in place of folders").requires("out"))

@@ -46,7 +46,7 @@ impl Set<'_> {
     }
 
     /// The land about the camera; its height at a place.
-    fn near_land(&mut self) -> impl Fn(f32, f32) -> f32 + use<> {
+    pub(super) fn near_land(&mut self) -> impl Fn(f32, f32) -> f32 + use<> {
         let (bumps, waves) = (self.range(0.02, 0.6), self.waves(3.0, 15.0));
         // Flat far away.
         let height = move |x: f32, z: f32| bumps * waves(x, z) / (1.0 - z.min(0.0) / 60.0);

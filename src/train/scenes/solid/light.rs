@@ -1,10 +1,11 @@
 //! Light: a sun or a window's light with its shadow, light from above that things take from what is under them, a lamp,
 //! and what the ground throws back.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
+use super::dapple::Through;
 use super::mesh::World;
-use super::view::Buffer;
+use super::view::{Buffer, mixed};
 
 /// What lights a scene, linear.
 #[derive(Clone, Copy, Debug)]
@@ -23,33 +24,47 @@ pub struct Lights {
     pub lamp: Vec3,
     /// How far light from above finds its way under things, as a share of the scene's size.
     pub soft: f32,
+    /// What the sun shines through.
+    pub through: Through,
     /// What lies this far away shows as much of the air as of itself, metres.
     pub haze_m: f32,
 }
 
-/// Side of a shadow map.
-const MAP_PX: usize = 160;
+/// Side of the sun's shadow map, whose shadows have clear edges, and of the sky's.
+const SUN_PX: usize = 384;
+const SKY_PX: usize = 160;
 
 /// Depths of the world as a light far away sees them.
 struct ShadowMap {
     axes: [Vec3; 3],
     centre: Vec3,
     per_metre: f32,
+    side: usize,
     depths: Buffer,
 }
 
 impl ShadowMap {
-    /// Towards `from`, about a ball.
-    fn new(world: &World, from: Vec3, centre: Vec3, radius: f32) -> Self {
-        let side = from.any_orthonormal_vector();
-        let axes = [side, from.cross(side), from];
-        let per_metre = MAP_PX as f32 / (2.0 * radius);
+    /// Towards `from`, about a ball, of this many pixels a side.
+    fn new(world: &World, from: Vec3, centre: Vec3, radius: f32, side: usize) -> Self {
+        let across = from.any_orthonormal_vector();
+        let axes = [across, from.cross(across), from];
+        let per_metre = side as f32 / (2.0 * radius);
         let mut depths = Buffer::default();
-        depths.clear([MAP_PX; 2]);
-        let mut map = Self { axes, centre, per_metre, depths };
+        depths.clear([side; 2]);
+        let mut map = Self { axes, centre, per_metre, side, depths };
         let places: Vec<[f32; 3]> = world.corners.iter().map(|corner| map.place(corner.at)).collect();
         for part in world.parts.iter().filter(|part| part.casts) {
-            map.depths.triangle(0, part.corners.map(|i| places[i as usize]), &mut |_| true);
+            let corners = part.corners.map(|i| places[i as usize]);
+            match world.skin_of(part).filter(|skin| skin.cut_out) {
+                None => map.depths.triangle(0, corners, &mut |_| true),
+                Some(skin) => {
+                    let uv = world.corners_of(part).map(|corner| corner.uv);
+                    map.depths.triangle(0, corners, &mut |share| {
+                        let at = mixed(uv, share);
+                        skin.covers(at.x, at.y)
+                    });
+                }
+            }
         }
         map
     }
@@ -58,9 +73,13 @@ impl ShadowMap {
     #[inline]
     fn place(&self, at: Vec3) -> [f32; 3] {
         let from = at - self.centre;
-        let half = MAP_PX as f32 / 2.0;
+        let half = self.side as f32 / 2.0;
         let along = |axis: usize| from.dot(self.axes[axis]);
         [along(0) * self.per_metre + half, along(1) * self.per_metre + half, along(2)]
+    }
+
+    fn texel_m(&self) -> f32 {
+        self.per_metre.recip()
     }
 
     /// The share of four places about this one that the light reaches.
@@ -72,8 +91,8 @@ impl ShadowMap {
         let offsets = [[0.33, 1.0], [1.0, -0.33], [-0.33, -1.0], [-1.0, 0.33]];
         let free = |[dx, dy]: [f32; 2]| {
             let (x, y) = (x + dx * reach, y + dy * reach);
-            let inside = x >= 0.0 && y >= 0.0 && x < MAP_PX as f32 && y < MAP_PX as f32;
-            !inside || self.depths.near[y as usize * MAP_PX + x as usize] <= height + bias_m
+            let inside = x >= 0.0 && y >= 0.0 && x < self.side as f32 && y < self.side as f32;
+            !inside || self.depths.near[y as usize * self.side + x as usize] <= height + bias_m
         };
         offsets.into_iter().map(|offset| f32::from(u8::from(free(offset)))).sum::<f32>() / 4.0
     }
@@ -102,21 +121,33 @@ pub struct Surface {
 impl Shading {
     /// Draws the shadow maps of what lies in a ball.
     pub fn new(world: &World, lights: Lights, centre: Vec3, radius: f32) -> Self {
-        let sun = ShadowMap::new(world, lights.sun_from, centre, radius);
+        let sun = ShadowMap::new(world, lights.sun_from, centre, radius, SUN_PX);
         // Not quite from above, that upright faces do not stand in their own shadow.
-        let above = ShadowMap::new(world, Vec3::new(0.11, 1.0, 0.17).normalize(), centre, radius);
+        let above = ShadowMap::new(world, Vec3::new(0.11, 1.0, 0.17).normalize(), centre, radius, SKY_PX);
         Self { lights, sun, above, radius }
+    }
+
+    /// Place across the sun's light: level, and up.
+    #[inline]
+    fn across(&self, at: Vec3) -> Vec2 {
+        let from = self.lights.sun_from;
+        let right = Vec3::Y.cross(from).normalize_or(Vec3::X);
+        Vec2::new(at.dot(right), at.dot(from.cross(right)))
     }
 
     /// Light that comes from a place towards `to_eye`, which is `distance` long.
     pub fn shade(&self, surface: &Surface, to_eye: Vec3, distance: f32) -> Vec3 {
-        let Lights { sun_from, sun, sky, ground, lamp_at, lamp, soft, haze_m } = self.lights;
+        let Lights { sun_from, sun, sky, ground, lamp_at, lamp, soft, through, haze_m } = self.lights;
         let Surface { at, normal, colour, gloss } = *surface;
-        let texel = 2.0 * self.radius / MAP_PX as f32;
         // Off the surface by a texel, so that it does not shade itself.
-        let off = at + normal * texel;
+        let (sharp, texel) = (self.sun.texel_m(), self.above.texel_m());
         let facing = normal.dot(sun_from);
-        let direct = if facing > 0.0 { self.sun.lit(off, texel, 0.5 * texel) } else { 0.0 };
+        let direct = if facing > 0.0 {
+            self.sun.lit(at + normal * sharp, sharp, 0.5 * sharp) * through.passes(self.across(at))
+        } else {
+            0.0
+        };
+        let off = at + normal * texel;
         let near = self.above.lit(off, soft * self.radius, texel);
         let wide = self.above.lit(off, 2.7 * soft * self.radius, texel);
         let open = 0.25 + 0.75 * (0.5 * near + 0.5 * wide);
@@ -135,5 +166,33 @@ impl Shading {
         }
         let clear = (-distance / haze_m).exp();
         out * clear + sky * (1.0 - clear)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Affine3A;
+
+    use super::super::mesh::Paint;
+    use super::super::shapes::slab;
+    use super::super::texture::Texture;
+    use super::*;
+    use crate::scenes::raster::Raster;
+
+    #[test]
+    fn a_cut_out_throws_the_shadow_of_what_is_left_of_it() {
+        // A card of two metres on the ground whose right half is cut away.
+        let picture = Raster::from_fn([16, 16], |x, _| [200, 90, 40, if x < 8 { 255 } else { 0 }]);
+        let skin = Some(Arc::new(Texture::new(picture)));
+        let paint = Paint { tint: [1.0; 3], skin, metres: Vec2::splat(2.0), gloss: 0.0 };
+        let mut world = World::default();
+        let card = slab(Vec3::new(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0, [1, 1]);
+        world.add(&card, Affine3A::IDENTITY, Some(&paint), true);
+        let map = ShadowMap::new(&world, Vec3::new(0.0, 1.0, 1.0).normalize(), Vec3::ZERO, 3.0, SUN_PX);
+        let lit = |x: f32, z: f32| map.lit(Vec3::new(x, 0.0, z), map.texel_m(), 0.5 * map.texel_m());
+        assert_eq!([lit(-0.5, -1.0), lit(0.5, -1.0)], [0.0, 1.0], "behind either half");
+        assert_eq!([lit(-0.5, 1.0), lit(-0.5, -2.2)], [1.0, 1.0], "before it, and beyond its shadow");
     }
 }

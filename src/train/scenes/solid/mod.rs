@@ -7,6 +7,7 @@
 
 mod blossoms;
 mod coats;
+mod dapple;
 mod glb;
 mod inside;
 mod land;
@@ -18,6 +19,7 @@ mod patterns;
 pub mod picture;
 mod pitfalls;
 mod set;
+mod shadows;
 mod shapes;
 mod shot;
 pub mod stock;
@@ -156,9 +158,9 @@ fn nearest(world: &World, camera: &Camera, size: [usize; 2]) -> f32 {
 }
 
 /// Whether a picture tells its depth: it shows several things, and none of them fills it, as a wall right before the
-/// lens does. Bare tops and walls of patterns are meant to.
+/// lens does. Bare tops, walls of patterns, wide land and ground with shadows may show less.
 fn is_told(world: &World, buffer: &Buffer, kind: &str) -> bool {
-    if [pitfalls::BARE_TOP, patterns::PATTERN, land::LANDSCAPE].contains(&kind) {
+    if [pitfalls::BARE_TOP, patterns::PATTERN, land::LANDSCAPE, shadows::LOW_SUN].contains(&kind) {
         return true;
     }
     let [w, h] = buffer.size;
@@ -214,12 +216,13 @@ impl Nears {
     }
 
     /// Whether there is enough depth in a scene, not all of it sky or right before the lens, and whether it tells more
-    /// than that lower is nearer; of a bare top there is no more to tell, wide land is mostly far away, and behind a
-    /// ledge everything is.
+    /// than that lower is nearer; of a bare top and of ground with shadows there is no more to tell, wide land is mostly
+    /// far away, and behind a ledge everything is.
     fn is_worth(&self, rng: &mut Rng, order: &Order, kind: &str) -> bool {
         let [far, middle, near] = [0.02, 0.5, 0.98].map(|share| self.inverse(self.percentile(share)));
         let sky = self.sorted.partition_point(|&n| n <= order.curve.of(0.0)) as f32 / self.sorted.len() as f32;
         let is_wide = kind == land::LANDSCAPE;
+        let may_be_plain = kind == pitfalls::BARE_TOP || kind == shadows::LOW_SUN;
         let has_gap = kind == near::LEDGE || kind == near::HANGING;
         if near < 1.2 * far
             || near < 1e-3
@@ -234,7 +237,7 @@ impl Nears {
             (0..h).step_by(h.div_ceil(20)).flat_map(|y| (0..w).step_by(w.div_ceil(24)).map(move |x| [x, y])).collect();
         let values: Vec<f32> = places.iter().map(|&[x, y]| self.map.at(x, y)).collect();
         let rows: Vec<f32> = places.iter().map(|&[_, y]| y as f32).collect();
-        is_wide || kind == pitfalls::BARE_TOP || spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
+        is_wide || may_be_plain || spearman(&values, &rows) < TOLD_BY_ROW || rng.chance(0.35)
     }
 
     fn lens(&self, order: &Order) -> Lens {

@@ -19,7 +19,7 @@ impl Set<'_> {
     }
 
     /// A house front along x at z = 0 with windows and doors set into it or standing out.
-    fn front(&mut self, at: Vec3, wide: f32, high: f32, yaw: f32) {
+    pub(super) fn front(&mut self, at: Vec3, wide: f32, high: f32, yaw: f32) {
         let place = stand(at, yaw, 1.0);
         let wall = self.cloth(&["wall", "stone", "wall", "wood"], 2.5);
         let deep = self.range(3.0, 9.0);

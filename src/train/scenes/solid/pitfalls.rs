@@ -1,6 +1,7 @@
 //! Scenes that show what nets read wrongly: a bare top over which the light falls off, a bright wall or window above a
 //! darker room, someone near who fills the picture, perhaps in a patterned coat, land and streets under
-//! clouds, flowers seen from near, things on a ledge or hanging before the wide world, walls with bold patterns.
+//! clouds, flowers seen from near, things on a ledge or hanging before the wide world, walls with bold patterns, long
+//! shadows, sunlight in patches.
 
 use glam::Vec3;
 
@@ -16,7 +17,7 @@ pub const BARE_TOP: &str = "bare top";
 impl Set<'_> {
     /// One of them.
     pub fn pitfall(&mut self, framing: &Framing) -> Shot {
-        match self.rng.weighted(&[0.13, 0.1, 0.17, 0.11, 0.07, 0.14, 0.1, 0.07, 0.11]) {
+        match self.rng.weighted(&[0.13, 0.1, 0.17, 0.11, 0.07, 0.14, 0.1, 0.07, 0.11, 0.3, 0.2]) {
             0 => self.bare_top(framing),
             1 => self.bright_room(framing),
             2 => self.portrait(framing),
@@ -25,7 +26,9 @@ impl Set<'_> {
             5 => self.bed(framing),
             6 => self.ledge(framing),
             7 => self.hanging(framing),
-            _ => self.patterned(framing),
+            8 => self.patterned(framing),
+            9 => self.low_sun(framing),
+            _ => self.dappled(framing),
         }
     }
 

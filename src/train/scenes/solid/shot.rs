@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use super::dapple::Through;
 use super::light::Lights;
 use super::set::Set;
 use super::texture::Texture;
@@ -98,6 +99,7 @@ impl Set<'_> {
             lamp_at: Vec3::ZERO,
             lamp: Vec3::ZERO,
             soft: self.range(0.01, 0.05),
+            through: Through::Air,
             haze_m,
         }
     }
@@ -116,6 +118,7 @@ impl Set<'_> {
             lamp_at,
             lamp: self.warmth(0.3) * lamp,
             soft: self.range(0.01, 0.06),
+            through: Through::Air,
             haze_m: 1e4,
         }
     }

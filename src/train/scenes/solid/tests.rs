@@ -125,7 +125,19 @@ fn pitfalls_are_drawn_where_they_are_asked_for_and_nowhere_else() {
     kinds.dedup();
     assert_eq!(
         kinds,
-        ["bare top", "bright", "clouds", "flowers", "hanging", "landscape", "ledge", "pattern", "portrait"]
+        [
+            "bare top",
+            "bright",
+            "clouds",
+            "dappled",
+            "flowers",
+            "hanging",
+            "landscape",
+            "ledge",
+            "low sun",
+            "pattern",
+            "portrait"
+        ]
     );
     assert!((0..40).all(|index| !kinds.contains(&make(&all(0.0), 3, index).kind)));
     let [a, b] = [0, 1].map(|_| make(&all(1.0), 3, 7));
