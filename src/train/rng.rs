@@ -30,6 +30,11 @@ impl Rng {
         lo + (hi - lo) * self.unit()
     }
 
+    /// A number between two, as likely between one and its double wherever that lies.
+    pub fn log_range(&mut self, lo: f32, hi: f32) -> f32 {
+        self.range(lo.ln(), hi.ln()).exp()
+    }
+
     /// An index below `count`; 0 where there is nothing to choose.
     pub fn below(&mut self, count: usize) -> usize {
         if count == 0 { 0 } else { (self.next_u64() % count as u64) as usize }

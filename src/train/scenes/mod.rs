@@ -470,7 +470,7 @@ impl Source {
         if least == most {
             return Canvas::new(crop, least * self.config.range_px());
         }
-        let factor = rng.range(least.ln(), most.ln()).exp();
+        let factor = rng.log_range(least, most);
         let focus = if rng.chance(0.5) { rng.unit() } else { FOCAL_NEARNESS };
         Canvas { focus, ..Canvas::new(crop, factor * self.config.range_px()) }
     }

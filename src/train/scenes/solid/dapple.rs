@@ -1,7 +1,7 @@
 //! Sunlight in patches: through a window's panes on floors, walls and tables, through leaves on the ground. Nets take
 //! such patches for things.
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 use super::light::Lights;
 use super::set::Set;
@@ -87,14 +87,12 @@ impl Set<'_> {
         };
         let through = if inside && self.chance(0.8) { self.panes() } else { self.leaves() };
         let sky = shot.lights.sky * self.range(0.4, 1.0);
-        let warm = Vec3::new(1.0, self.range(0.8, 1.0), self.range(0.6, 1.0));
-        // On a level place, against the light of the sky.
-        let sun = warm * (sky.y * self.range(0.8, 5.0) / shot.lights.sun_from.y.max(0.15));
+        let sun = self.clear_sun(sky, shot.lights.sun_from, 5.0);
         Shot { lights: Lights { sun, sky, through, ..shot.lights }, kind: DAPPLED, ..shot }
     }
 
     fn panes(&mut self) -> Through {
-        let wide = self.range(0.25f32.ln(), 2.0f32.ln()).exp();
+        let wide = self.rng.log_range(0.25, 2.0);
         let every = Vec2::new(wide, wide * self.range(0.7, 2.0));
         let glass = Vec2::new(self.range(0.35, 0.9), self.range(0.4, 0.9));
         let panes = Vec2::new(self.count(1, 3) as f32, self.count(1, 4) as f32);
@@ -110,7 +108,7 @@ impl Set<'_> {
     }
 
     fn leaves(&mut self) -> Through {
-        let gap = self.range(0.12f32.ln(), 1.2f32.ln()).exp();
+        let gap = self.rng.log_range(0.12, 1.2);
         Through::Leaves { seed: self.rng.next_u64(), gap, cover: self.range(0.35, 0.65), soft: self.range(0.05, 0.4) }
     }
 }

@@ -41,7 +41,7 @@ impl Set<'_> {
         }
         let target = eye + Vec3::new(self.range(-0.3, 0.3), self.range(-0.35, 0.4), -1.0);
         let camera = self.look(framing, eye, target);
-        let lights = Lights { haze_m: (self.range(300.0f32.ln(), 12e3f32.ln())).exp(), ..self.day() };
+        let lights = Lights { haze_m: self.rng.log_range(300.0, 12e3), ..self.day() };
         Shot { camera, lights, sky: self.clouds(), kind: LANDSCAPE }
     }
 

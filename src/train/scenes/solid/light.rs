@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 
 use super::dapple::Through;
 use super::mesh::World;
-use super::view::{Buffer, mixed};
+use super::view::Buffer;
 
 /// What lights a scene, linear.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,6 @@ struct ShadowMap {
     axes: [Vec3; 3],
     centre: Vec3,
     per_metre: f32,
-    side: usize,
     depths: Buffer,
 }
 
@@ -51,20 +50,11 @@ impl ShadowMap {
         let per_metre = side as f32 / (2.0 * radius);
         let mut depths = Buffer::default();
         depths.clear([side; 2]);
-        let mut map = Self { axes, centre, per_metre, side, depths };
+        let mut map = Self { axes, centre, per_metre, depths };
         let places: Vec<[f32; 3]> = world.corners.iter().map(|corner| map.place(corner.at)).collect();
         for part in world.parts.iter().filter(|part| part.casts) {
             let corners = part.corners.map(|i| places[i as usize]);
-            match world.skin_of(part).filter(|skin| skin.cut_out) {
-                None => map.depths.triangle(0, corners, &mut |_| true),
-                Some(skin) => {
-                    let uv = world.corners_of(part).map(|corner| corner.uv);
-                    map.depths.triangle(0, corners, &mut |share| {
-                        let at = mixed(uv, share);
-                        skin.covers(at.x, at.y)
-                    });
-                }
-            }
+            map.depths.part(world, (0, part), corners, |share| share);
         }
         map
     }
@@ -73,7 +63,7 @@ impl ShadowMap {
     #[inline]
     fn place(&self, at: Vec3) -> [f32; 3] {
         let from = at - self.centre;
-        let half = self.side as f32 / 2.0;
+        let half = self.depths.size[0] as f32 / 2.0;
         let along = |axis: usize| from.dot(self.axes[axis]);
         [along(0) * self.per_metre + half, along(1) * self.per_metre + half, along(2)]
     }
@@ -85,14 +75,14 @@ impl ShadowMap {
     /// The share of four places about this one that the light reaches.
     #[inline]
     fn lit(&self, at: Vec3, reach_m: f32, bias_m: f32) -> f32 {
-        let [x, y, height] = self.place(at);
+        let ([x, y, height], side) = (self.place(at), self.depths.size[0]);
         let reach = (reach_m * self.per_metre).max(0.7);
         // A square, turned so that its corners fall on rows and columns of their own.
         let offsets = [[0.33, 1.0], [1.0, -0.33], [-0.33, -1.0], [-1.0, 0.33]];
         let free = |[dx, dy]: [f32; 2]| {
             let (x, y) = (x + dx * reach, y + dy * reach);
-            let inside = x >= 0.0 && y >= 0.0 && x < self.side as f32 && y < self.side as f32;
-            !inside || self.depths.near[y as usize * self.side + x as usize] <= height + bias_m
+            let inside = x >= 0.0 && y >= 0.0 && x < side as f32 && y < side as f32;
+            !inside || self.depths.near[y as usize * side + x as usize] <= height + bias_m
         };
         offsets.into_iter().map(|offset| f32::from(u8::from(free(offset)))).sum::<f32>() / 4.0
     }
@@ -103,6 +93,8 @@ pub struct Shading {
     lights: Lights,
     sun: ShadowMap,
     above: ShadowMap,
+    /// Across the sun's light: level, and up.
+    across: [Vec3; 2],
     radius: f32,
 }
 
@@ -124,15 +116,8 @@ impl Shading {
         let sun = ShadowMap::new(world, lights.sun_from, centre, radius, SUN_PX);
         // Not quite from above, that upright faces do not stand in their own shadow.
         let above = ShadowMap::new(world, Vec3::new(0.11, 1.0, 0.17).normalize(), centre, radius, SKY_PX);
-        Self { lights, sun, above, radius }
-    }
-
-    /// Place across the sun's light: level, and up.
-    #[inline]
-    fn across(&self, at: Vec3) -> Vec2 {
-        let from = self.lights.sun_from;
-        let right = Vec3::Y.cross(from).normalize_or(Vec3::X);
-        Vec2::new(at.dot(right), at.dot(from.cross(right)))
+        let level = Vec3::Y.cross(lights.sun_from).normalize_or(Vec3::X);
+        Self { lights, sun, above, across: [level, lights.sun_from.cross(level)], radius }
     }
 
     /// Light that comes from a place towards `to_eye`, which is `distance` long.
@@ -143,7 +128,8 @@ impl Shading {
         let (sharp, texel) = (self.sun.texel_m(), self.above.texel_m());
         let facing = normal.dot(sun_from);
         let direct = if facing > 0.0 {
-            self.sun.lit(at + normal * sharp, sharp, 0.5 * sharp) * through.passes(self.across(at))
+            self.sun.lit(at + normal * sharp, sharp, 0.5 * sharp)
+                * through.passes(Vec2::from(self.across.map(|axis| at.dot(axis))))
         } else {
             0.0
         };

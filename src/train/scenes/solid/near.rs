@@ -29,7 +29,7 @@ impl Set<'_> {
         let eye = world.camera.eye;
         let into = world.camera.axes[2].with_y(0.0).normalize_or(-Vec3::Z);
         let yaw = (-into.x).atan2(-into.z);
-        let away = self.range(0.25f32.ln(), 1.5f32.ln()).exp();
+        let away = self.rng.log_range(0.25, 1.5);
         let pitch = self.range(-0.05, 0.5f32);
         let target = eye + away * (into * pitch.cos() - Vec3::Y * pitch.sin());
         let tall = away * self.range(0.15, 0.6);
@@ -70,7 +70,7 @@ impl Set<'_> {
     pub fn hanging(&mut self, framing: &Framing) -> Shot {
         let world = self.far_world(framing);
         let camera = &world.camera;
-        let away = self.range(0.15f32.ln(), 1.0f32.ln()).exp();
+        let away = self.rng.log_range(0.15, 1.0);
         let half = framing.half(away);
         let [right, down, into] = camera.axes;
         let at = |x: f32, y: f32, z: f32| camera.eye + into * (away * z) + right * (x * half[0]) + down * (y * half[1]);

@@ -191,6 +191,12 @@ impl Set<'_> {
         move |x, z| (x / long[0] + phase[0]).sin() + (z / long[1] + phase[1]).sin()
     }
 
+    /// A hedge or wall across the view.
+    pub(super) fn hedge(&mut self, at: Vec3, wide: f32, tall: f32) {
+        let paint = self.cloth(&["grass", "stone", "wall", "wood"], 0.8);
+        self.block(at, Vec3::new(wide, tall, 0.5), 0.0, &paint);
+    }
+
     /// A garden or a wood: plants near and far, boughs overhead, benches, fences, people and animals.
     pub fn garden(&mut self, framing: &Framing) -> Shot {
         let wood = self.chance(0.45);
@@ -235,8 +241,7 @@ impl Set<'_> {
             if self.chance(0.5) {
                 self.fence(from, Vec3::X * 18.0, tall);
             } else {
-                let hedge = self.cloth(&["grass", "stone", "wall", "wood"], 0.8);
-                self.block(on(0.0, z), Vec3::new(24.0, tall, 0.5), 0.0, &hedge);
+                self.hedge(on(0.0, z), 24.0, tall);
             }
         }
         if self.chance(0.3) {

@@ -16,7 +16,7 @@ impl Set<'_> {
         let height = self.near_land();
         let on = |x: f32, z: f32| Vec3::new(x, height(x, z), z);
         let lights = self.long_shadows();
-        let away = framing.distance(self.range(0.9f32.ln(), 5.0f32.ln()).exp()).clamp(0.8, 10.0);
+        let away = framing.distance(self.rng.log_range(0.9, 5.0)).clamp(0.8, 10.0);
         let eye = on(0.0, 0.0) + Vec3::Y * (away * self.range(0.05, 0.8)).clamp(0.2, 3.0);
         let subject = on(self.range(-0.3, 0.3) * away, -away);
         self.casts(subject, eye);
@@ -46,10 +46,8 @@ impl Set<'_> {
         let (day, turn) = (self.day(), self.turn());
         let height = self.range(0.15, 0.67f32);
         let sun_from = Vec3::new(turn.cos() * height.cos(), height.sin(), turn.sin() * height.cos());
-        let red = Vec3::new(1.0, self.range(0.8, 1.0), self.range(0.6, 1.0));
-        // On the ground, against the light of the sky.
-        let share = self.range(0.8, 4.0);
-        let (sun, haze_m) = (red * (share * day.sky.y / height.sin()), self.range(200.0, 3000.0));
+        let sun = self.clear_sun(day.sky, sun_from, 4.0);
+        let haze_m = self.range(200.0, 3000.0);
         Lights { sun_from, sun, haze_m, ..day }
     }
 
@@ -59,9 +57,8 @@ impl Set<'_> {
         match self.rng.weighted(&[0.35, 0.2, 0.15, 0.3]) {
             0 => {}
             1 => {
-                let hedge = self.cloth(&["grass", "stone", "wall", "wood"], 0.8);
                 let tall = self.range(0.6, 2.5);
-                self.block(on(0.0, z), Vec3::new(40.0, tall, 0.5), 0.0, &hedge);
+                self.hedge(on(0.0, z), 40.0, tall);
             }
             2 => {
                 let (wide, high, yaw) = (self.range(6.0, 20.0), self.range(3.0, 9.0), self.range(-0.5, 0.5));

@@ -18,6 +18,9 @@ pub enum Sky {
     Picture(Arc<Texture>, Vec2, Vec2),
 }
 
+/// Height of the lowest sun that lights level ground, of 1.
+const LOWEST_SUN: f32 = 0.15;
+
 /// A camera before a scene.
 pub struct Shot {
     /// The camera of the reference view.
@@ -102,6 +105,13 @@ impl Set<'_> {
             through: Through::Air,
             haze_m,
         }
+    }
+
+    /// Light of a sun that on level ground gives 0.8 to `most` times as much as the sky.
+    pub fn clear_sun(&mut self, sky: Vec3, sun_from: Vec3, most: f32) -> Vec3 {
+        let warm = Vec3::new(1.0, self.range(0.8, 1.0), self.range(0.6, 1.0));
+        // What lies lower gives no more.
+        warm * (sky.y * self.range(0.8, most) / sun_from.y.max(LOWEST_SUN))
     }
 
     /// Light of a room: a window or a large lamp that throws shadows, a small lamp, and what walls throw back.

@@ -6,7 +6,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::{Corner, World};
+use super::mesh::{Corner, Part, World};
 
 /// Samples of a pixel in x and y.
 pub const SUB: usize = 2;
@@ -182,7 +182,7 @@ impl Frame {
             }
         }
         for i in 2..ring.len() {
-            world.parts.push(super::mesh::Part { corners: [ring[0], ring[i - 1], ring[i]], ..part });
+            world.parts.push(Part { corners: [ring[0], ring[i - 1], ring[i]], ..part });
             waiting.push(world.parts.len() as u32 - 1);
         }
     }
@@ -212,7 +212,7 @@ impl Frame {
         let [za, zb] = [a, b].map(|i| self.seen[i as usize].depth);
         let middle = self.add_corner(world, camera, curve, [a, b], za.sqrt() / (za.sqrt() + zb.sqrt()));
         for corners in [[a, middle, c], [middle, b, c]] {
-            world.parts.push(super::mesh::Part { corners, ..part });
+            world.parts.push(Part { corners, ..part });
             waiting.push(world.parts.len() as u32 - 1);
         }
     }
@@ -245,17 +245,8 @@ impl Frame {
         for &index in &self.visible {
             let part = &world.parts[index as usize];
             let corners = self.corners(part.corners, lens, step);
-            match world.skin_of(part).filter(|skin| skin.cut_out) {
-                None => buffer.triangle(index, corners, &mut |_| true),
-                Some(skin) => {
-                    let uv = world.corners_of(part).map(|corner| corner.uv);
-                    let inverse = part.corners.map(|i| self.seen[i as usize].inverse);
-                    buffer.triangle(index, corners, &mut |share| {
-                        let at = mixed(uv, straight(share, inverse));
-                        skin.covers(at.x, at.y)
-                    });
-                }
-            }
+            let inverse = || part.corners.map(|i| self.seen[i as usize].inverse);
+            buffer.part(world, (index, part), corners, |share| straight(share, inverse()));
         }
     }
 }
@@ -297,6 +288,28 @@ impl Buffer {
         self.near.resize(size[0] * size[1], f32::NEG_INFINITY);
         self.face.clear();
         self.face.resize(size[0] * size[1], NOTHING);
+    }
+
+    /// Draws a face with its number; of one whose skin is cut out, what is left. `in_space` turns shares of the corners
+    /// in the picture into those in space.
+    #[inline]
+    pub fn part(
+        &mut self,
+        world: &World,
+        (id, part): (u32, &Part),
+        corners: [[f32; 3]; 3],
+        in_space: impl Fn([f32; 3]) -> [f32; 3],
+    ) {
+        match world.skin_of(part).filter(|skin| skin.cut_out) {
+            None => self.triangle(id, corners, &mut |_| true),
+            Some(skin) => {
+                let uv = world.corners_of(part).map(|corner| corner.uv);
+                self.triangle(id, corners, &mut |share| {
+                    let at = mixed(uv, in_space(share));
+                    skin.covers(at.x, at.y)
+                });
+            }
+        }
     }
 
     /// Draws a triangle of corners `[x, y, nearness]` where it is nearer than what is there and `keep` agrees, which is
