@@ -3,7 +3,7 @@
 
 use plenoscope::field::ramp;
 
-use super::raster::Raster;
+use super::raster::{Raster, floor};
 use crate::rng::Rng;
 
 /// An upright backdrop over a canvas in colours of the photo, 0 … 255.
@@ -38,7 +38,7 @@ fn hash(seed: u64, cell: [i32; 2]) -> f32 {
 
 /// Smooth noise 0 … 1, one value a unit.
 pub(super) fn noise(seed: u64, x: f32, y: f32) -> f32 {
-    let (x0, y0) = (x.floor(), y.floor());
+    let (x0, y0) = (floor(x), floor(y));
     let (fx, fy) = (ramp(0.0, 1.0, x - x0), ramp(0.0, 1.0, y - y0));
     let at = |dx: i32, dy: i32| hash(seed, [x0 as i32 + dx, y0 as i32 + dy]);
     let row = |dy: i32| at(0, dy) * (1.0 - fx) + at(1, dy) * fx;

@@ -1,7 +1,7 @@
 //! Light: a sun or a window's light with its shadow, light from above that things take from what is under them, a lamp,
 //! and what the ground throws back.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::dapple::Through;
 use super::mesh::World;
@@ -52,11 +52,22 @@ impl ShadowMap {
         depths.clear([side; 2]);
         let mut map = Self { axes, centre, per_metre, depths };
         let places: Vec<[f32; 3]> = world.corners.iter().map(|corner| map.place(corner.at)).collect();
-        for part in world.parts.iter().filter(|part| part.casts) {
+        for part in world.whole().iter().filter(|part| part.casts) {
             let corners = part.corners.map(|i| places[i as usize]);
             map.depths.part(world, (0, part), corners, |share| share);
         }
+        map.open_border();
         map
+    }
+
+    /// Nothing shades the border, where `lit` looks for all that lies beyond the map.
+    fn open_border(&mut self) {
+        let side = self.depths.size[0];
+        for i in 0..side {
+            for place in [i, (side - 1) * side + i, i * side, i * side + side - 1] {
+                self.depths.near[place] = f32::NEG_INFINITY;
+            }
+        }
     }
 
     /// Place on the map and height towards the light, metres.
@@ -72,19 +83,21 @@ impl ShadowMap {
         self.per_metre.recip()
     }
 
-    /// The share of four places about this one that the light reaches.
+    /// The share of four points about a place on the map that the light reaches.
     #[inline]
-    fn lit(&self, at: Vec3, reach_m: f32, bias_m: f32) -> f32 {
-        let ([x, y, height], side) = (self.place(at), self.depths.size[0]);
-        let reach = (reach_m * self.per_metre).max(0.7);
-        // A square, turned so that its corners fall on rows and columns of their own.
-        let offsets = [[0.33, 1.0], [1.0, -0.33], [-0.33, -1.0], [-1.0, 0.33]];
-        let free = |[dx, dy]: [f32; 2]| {
-            let (x, y) = (x + dx * reach, y + dy * reach);
-            let inside = x >= 0.0 && y >= 0.0 && x < side as f32 && y < side as f32;
-            !inside || self.depths.near[y as usize * side + x as usize] <= height + bias_m
+    fn lit(&self, [x, y, height]: [f32; 3], reach_m: f32, bias_m: f32) -> f32 {
+        let side = self.depths.size[0];
+        let (reach, last) = ((reach_m * self.per_metre).max(0.7), (side - 1) as f32);
+        // A square, turned so that its corners fall on rows and columns of their own; all four at once.
+        let texels = |at: f32, offsets: Vec4| {
+            let places = (offsets * reach + (at - 0.5)).clamp(Vec4::ZERO, Vec4::splat(last));
+            // Beside a number this large a number's last bits are whole ones: much the fastest way to them.
+            (places + (1u32 << 23) as f32).to_array().map(|place| (place.to_bits() & 0x7f_ffff) as usize)
         };
-        offsets.into_iter().map(|offset| f32::from(u8::from(free(offset)))).sum::<f32>() / 4.0
+        let columns = texels(x, Vec4::new(0.33, 1.0, -0.33, -1.0));
+        let rows = texels(y, Vec4::new(1.0, -0.33, -1.0, 0.33));
+        let heights = Vec4::from(std::array::from_fn(|i| self.depths.near[rows[i] * side + columns[i]]));
+        heights.cmple(Vec4::splat(height + bias_m)).bitmask().count_ones() as f32 / 4.0
     }
 }
 
@@ -128,12 +141,12 @@ impl Shading {
         let (sharp, texel) = (self.sun.texel_m(), self.above.texel_m());
         let facing = normal.dot(sun_from);
         let direct = if facing > 0.0 {
-            self.sun.lit(at + normal * sharp, sharp, 0.5 * sharp)
+            self.sun.lit(self.sun.place(at + normal * sharp), sharp, 0.5 * sharp)
                 * through.passes(Vec2::from(self.across.map(|axis| at.dot(axis))))
         } else {
             0.0
         };
-        let off = at + normal * texel;
+        let off = self.above.place(at + normal * texel);
         let near = self.above.lit(off, soft * self.radius, texel);
         let wide = self.above.lit(off, 2.7 * soft * self.radius, texel);
         let open = 0.25 + 0.75 * (0.5 * near + 0.5 * wide);
@@ -142,8 +155,8 @@ impl Shading {
             sky * (up * open) + ground * ((1.0 - up) * (0.4 + 0.6 * open)) + sun * (facing.max(0.0) * direct);
         let to_lamp = lamp_at - at;
         let far = to_lamp.length_squared();
-        light +=
-            lamp * (normal.dot(to_lamp * far.max(1e-6).sqrt().recip()).max(0.0) * (0.35 + 0.65 * open) / (0.3 + far));
+        let on_lamp = normal.dot(to_lamp) * far.max(1e-6).sqrt().recip();
+        light += lamp * (on_lamp.max(0.0) * (0.35 + 0.65 * open) / (0.3 + far));
         let mut out = colour * light;
         if gloss > 0.0 {
             let half = (sun_from + to_eye).normalize_or_zero();
@@ -177,7 +190,7 @@ mod tests {
         let card = slab(Vec3::new(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0, [1, 1]);
         world.add(&card, Affine3A::IDENTITY, Some(&paint), true);
         let map = ShadowMap::new(&world, Vec3::new(0.0, 1.0, 1.0).normalize(), Vec3::ZERO, 3.0, SUN_PX);
-        let lit = |x: f32, z: f32| map.lit(Vec3::new(x, 0.0, z), map.texel_m(), 0.5 * map.texel_m());
+        let lit = |x: f32, z: f32| map.lit(map.place(Vec3::new(x, 0.0, z)), map.texel_m(), 0.5 * map.texel_m());
         assert_eq!([lit(-0.5, -1.0), lit(0.5, -1.0)], [0.0, 1.0], "behind either half");
         assert_eq!([lit(-0.5, 1.0), lit(-0.5, -2.2)], [1.0, 1.0], "before it, and beyond its shadow");
     }

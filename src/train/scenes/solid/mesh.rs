@@ -126,6 +126,8 @@ pub struct World {
     /// Textures.
     pub skins: Vec<Arc<Texture>>,
     things: u32,
+    /// Faces that were put here; what comes after them are pieces of them.
+    whole: usize,
 }
 
 impl World {
@@ -149,6 +151,12 @@ impl World {
             let (tint, skin) = painted.unwrap_or((face.tint, skin));
             Part { corners: face.corners.map(|i| i + first), tint, skin, thing, gloss, casts }
         }));
+        self.whole = self.parts.len();
+    }
+
+    /// Faces as they were put here, without the pieces that a camera cuts them into.
+    pub fn whole(&self) -> &[Part] {
+        &self.parts[..self.whole]
     }
 
     fn skin(&mut self, skin: &Arc<Texture>) -> u32 {

@@ -71,12 +71,12 @@ impl Shutter {
         for (i, texel) in light.px.iter_mut().enumerate() {
             let (x, y) = ((i % wide) as f32 - w / 2.0, (i / wide) as f32 - h / 2.0);
             let fall = 1.0 - self.vignette * (x * x + y * y) / half;
-            *texel = texel.map(|c| {
-                let c = c * fall;
+            for c in texel {
+                let light = *c * fall;
                 // The brightest roll off.
-                let c = if c > 0.7 { 1.0 - 0.09 / (c - 0.7 + 0.3) } else { c };
-                self.curve[(c.max(0.0) * CURVE as f32 + 0.5).min(CURVE as f32) as usize]
-            });
+                let light = if light > 0.7 { 1.0 - 0.09 / (light - 0.7 + 0.3) } else { light };
+                *c = self.curve[(light.max(0.0) * CURVE as f32 + 0.5).min(CURVE as f32) as usize];
+            }
         }
         self.add_noise(rng, &mut light);
         match self.quality {

@@ -3,6 +3,7 @@
 use glam::Affine3A;
 
 use super::mesh::Paint;
+use super::view::NOTHING;
 use super::*;
 use crate::scenes::layer::tap_rgb;
 
@@ -176,4 +177,36 @@ fn a_wall_that_fills_the_picture_tells_nothing() {
     assert!(!told(&[[-1.0, -1.0]], "room") && told(&[[-1.0, -1.0]], patterns::PATTERN));
     let quarters = [[-2.0, -2.0], [0.0, -2.0], [-2.0, 0.0], [0.0, 0.0]];
     assert!(told(&quarters, "room") && !told(&quarters[..2], "room"));
+}
+
+#[test]
+fn a_triangle_covers_the_same_samples_whether_it_is_asked_at_each_or_not() {
+    let rng = &mut Rng::new(7, 0);
+    let places: Vec<f32> = (0..9 * 400).map(|_| rng.range(-1.0, 1.0)).collect();
+    let mut buffers = [Buffer::default(), Buffer::default()];
+    buffers.iter_mut().for_each(|buffer| buffer.clear([40, 30]));
+    for (id, triangle) in places.as_chunks::<9>().0.iter().enumerate() {
+        // Some reach beyond the picture, every third is a sliver.
+        let wide = if id % 3 == 0 { 2.0 } else { 40.0 };
+        let corner = |i: usize| [20.0 + wide * triangle[3 * i], 15.0 + 25.0 * triangle[3 * i + 1], triangle[3 * i + 2]];
+        let corners = [0, 1, 2].map(corner);
+        buffers[0].triangle(id as u32, corners);
+        buffers[1].triangle_where(id as u32, corners, |_| true);
+    }
+    let [all, asked] = buffers;
+    assert!(all.near.iter().zip(&asked.near).all(|(a, b)| (a - b).abs() < 1e-4 || a == b));
+    let differ = all.face.iter().zip(&asked.face).filter(|(a, b)| a != b).count();
+    assert!(differ <= 2 && !all.face.contains(&NOTHING), "{differ}");
+}
+
+#[test]
+fn percentiles_are_those_of_the_values_in_order() {
+    for count in [1, 2, 7, 500] {
+        let rng = &mut Rng::new(3, count as u64);
+        let mut values: Vec<f32> = (0..count).map(|_| rng.range(-1.0, 1.0)).collect();
+        let mut sorted = values.clone();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let at = |share: f32| sorted[((count - 1) as f32 * share) as usize];
+        assert_eq!(percentiles(&mut values), [0.02, 0.5, 0.65, 0.98].map(at));
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::scenes::raster::Raster;
+use crate::scenes::raster::{Raster, floor};
 
 /// One level of a texture, sRGB and coverage.
 struct Level {
@@ -53,7 +53,7 @@ impl Texture {
         let level = &self.levels[self.level(reach)];
         let [w, h] = level.size;
         let (x, y) = (wrapped(u) * w as f32 - 0.5, wrapped(v) * h as f32 - 0.5);
-        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let (fx, fy) = (x - floor(x), y - floor(y));
         // One pixel before the first is the last: the picture repeats.
         let (x0, y0) = (if x < 0.0 { w - 1 } else { x as usize }, if y < 0.0 { h - 1 } else { y as usize });
         let (x1, y1) = (if x0 + 1 < w { x0 + 1 } else { 0 }, if y0 + 1 < h { y0 + 1 } else { 0 });
@@ -90,7 +90,7 @@ impl Texture {
 
 #[inline]
 fn wrapped(value: f32) -> f32 {
-    value - value.floor()
+    value - floor(value)
 }
 
 /// The level of half the size: means of four, colours weighed by coverage.

@@ -4,9 +4,12 @@
 //! back so that the focal plane stays where it is. A point at reference place X with disparity D is seen at
 //! `X − u·D`, with `D = f·b·(1/z − 1/z_f)`: the sign and the units of `plenoscope::field`.
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 
 use super::mesh::{Corner, Part, World};
+use crate::scenes::raster::floor;
 
 /// Samples of a pixel in x and y.
 pub const SUB: usize = 2;
@@ -239,31 +242,34 @@ impl Frame {
         })
     }
 
+    /// 1/z of a face's corners.
+    #[inline]
+    pub fn inverse(&self, corners: [u32; 3]) -> Vec3 {
+        Vec3::from(corners.map(|i| self.seen[i as usize].inverse))
+    }
+
     /// Draws one view.
     pub fn draw(&self, world: &World, lens: Lens, step: Vec2, buffer: &mut Buffer) {
         buffer.clear(self.size.map(|side| side * SUB));
         for &index in &self.visible {
             let part = &world.parts[index as usize];
             let corners = self.corners(part.corners, lens, step);
-            let inverse = || part.corners.map(|i| self.seen[i as usize].inverse);
-            buffer.part(world, (index, part), corners, |share| straight(share, inverse()));
+            buffer.part(world, (index, part), corners, |share| straight(share, self.inverse(part.corners)));
         }
     }
 }
 
 /// Shares of the corners in space, from those in the picture.
 #[inline]
-pub fn straight(share: [f32; 3], inverse: [f32; 3]) -> [f32; 3] {
-    let weighed: [f32; 3] = std::array::from_fn(|i| share[i] * inverse[i]);
-    let sum = weighed[0] + weighed[1] + weighed[2];
-    weighed.map(|w| w / sum)
+pub fn straight(share: Vec3, inverse: Vec3) -> Vec3 {
+    let weighed = share * inverse;
+    weighed * (weighed.x + weighed.y + weighed.z).recip()
 }
 
 /// Sum of three values by share.
 #[inline]
-pub fn mixed<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(values: [T; 3], share: [f32; 3]) -> T {
-    let [a, b, c] = values;
-    a * share[0] + b * share[1] + c * share[2]
+pub fn mixed<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>([a, b, c]: [T; 3], share: Vec3) -> T {
+    a * share.x + b * share.y + c * share.z
 }
 
 /// The face of a sample that meets none.
@@ -298,13 +304,13 @@ impl Buffer {
         world: &World,
         (id, part): (u32, &Part),
         corners: [[f32; 3]; 3],
-        in_space: impl Fn([f32; 3]) -> [f32; 3],
+        in_space: impl Fn(Vec3) -> Vec3,
     ) {
         match world.skin_of(part).filter(|skin| skin.cut_out) {
-            None => self.triangle(id, corners, &mut |_| true),
+            None => self.triangle(id, corners),
             Some(skin) => {
                 let uv = world.corners_of(part).map(|corner| corner.uv);
-                self.triangle(id, corners, &mut |share| {
+                self.triangle_where(id, corners, |share| {
                     let at = mixed(uv, in_space(share));
                     skin.covers(at.x, at.y)
                 });
@@ -312,40 +318,76 @@ impl Buffer {
         }
     }
 
-    /// Draws a triangle of corners `[x, y, nearness]` where it is nearer than what is there and `keep` agrees, which is
-    /// given the shares of the corners.
+    /// Draws a triangle of corners `[x, y, nearness]` where it is nearer than what is there.
     #[inline]
-    pub fn triangle(&mut self, id: u32, corners: [[f32; 3]; 3], keep: &mut impl FnMut([f32; 3]) -> bool) {
-        let [w, h] = self.size;
-        let least = |axis: usize| corners[0][axis].min(corners[1][axis]).min(corners[2][axis]);
-        let most = |axis: usize| corners[0][axis].max(corners[1][axis]).max(corners[2][axis]);
-        let (top, bottom) = (least(1).max(0.0).ceil(), most(1).min((h - 1) as f32).floor());
-        let (left, right) = (least(0).max(0.0).ceil(), most(0).min((w - 1) as f32).floor());
-        // Also false for what is no number.
-        if !(top <= bottom && left <= right) {
-            return;
-        }
-        let Some(plane) = Shares::new(corners) else { return };
-        for y in top as usize..=bottom as usize {
-            let Some((from, to)) = plane.span(y as f32, left, right) else { continue };
-            let row = y * w;
-            for x in from as usize..=to as usize {
-                let share = plane.at(x as f32, y as f32);
-                let near = corners[0][2] * share[0] + corners[1][2] * share[1] + corners[2][2] * share[2];
-                if near > self.near[row + x] && keep(share) {
-                    self.near[row + x] = near;
-                    self.face[row + x] = id;
+    pub fn triangle(&mut self, id: u32, corners: [[f32; 3]; 3]) {
+        let nears = Vec3::from(corners.map(|corner| corner[2]));
+        let Self { size, near, face } = self;
+        each_row(*size, corners, |plane, y, places| {
+            let slope = nears.dot(plane.dx);
+            let row = y * size[0];
+            let (near, face) = (&mut near[row..][places.clone()], &mut face[row..][places.clone()]);
+            let first = nears.dot(plane.at(places.start as f32, y as f32));
+            // Written whatever is nearer, that several are done at once.
+            for ((near, face), i) in near.iter_mut().zip(face).zip(0i32..) {
+                let here = first + i as f32 * slope;
+                let is_nearer = here > *near;
+                *near = if is_nearer { here } else { *near };
+                *face = if is_nearer { id } else { *face };
+            }
+        });
+    }
+
+    /// The same where `keep` agrees too, which is given the shares of the corners.
+    #[inline]
+    pub fn triangle_where(&mut self, id: u32, corners: [[f32; 3]; 3], keep: impl Fn(Vec3) -> bool) {
+        let nears = Vec3::from(corners.map(|corner| corner[2]));
+        let Self { size, near, face } = self;
+        each_row(*size, corners, |plane, y, places| {
+            for x in places {
+                let (i, share) = (y * size[0] + x, plane.at(x as f32, y as f32));
+                let here = nears.dot(share);
+                if here > near[i] && keep(share) {
+                    (near[i], face[i]) = (here, id);
                 }
             }
+        });
+    }
+}
+
+/// Calls with each row of a picture that a triangle meets, and with the places in it.
+#[inline]
+fn each_row([w, h]: [usize; 2], corners: [[f32; 3]; 3], mut with: impl FnMut(&Shares, usize, Range<usize>)) {
+    let least = |axis: usize| corners[0][axis].min(corners[1][axis]).min(corners[2][axis]);
+    let most = |axis: usize| corners[0][axis].max(corners[1][axis]).max(corners[2][axis]);
+    let (top, bottom) = (ceil(least(1).max(0.0)), floor(most(1).min((h - 1) as f32)));
+    let (left, right) = (ceil(least(0).max(0.0)), floor(most(0).min((w - 1) as f32)));
+    // Also false for what is no number.
+    if !(top <= bottom && left <= right) {
+        return;
+    }
+    let Some(plane) = Shares::new(corners) else { return };
+    let reach = plane.dx.recip();
+    for y in top as usize..=bottom as usize {
+        if let Some((from, to)) = plane.span(y as f32, left, right, reach) {
+            with(&plane, y, from as usize..to as usize + 1);
         }
     }
 }
 
+/// Rows of a triangle are a little wider than exact, so that no sample falls between two faces.
+const WIDER: f32 = 1e-3;
+
+#[inline]
+fn ceil(value: f32) -> f32 {
+    -floor(-value)
+}
+
 /// Shares of a triangle's corners as functions of the place.
 pub struct Shares {
-    origin: [f32; 2],
-    dx: [f32; 3],
-    dy: [f32; 3],
+    origin: Vec2,
+    dx: Vec3,
+    dy: Vec3,
 }
 
 impl Shares {
@@ -357,36 +399,39 @@ impl Shares {
             return None;
         }
         let k = 1.0 / area;
-        let dx = [0.0, (c[1] - a[1]) * k, (a[1] - b[1]) * k];
-        let dy = [0.0, (a[0] - c[0]) * k, (b[0] - a[0]) * k];
-        Some(Self { origin: [a[0], a[1]], dx: [-dx[1] - dx[2], dx[1], dx[2]], dy: [-dy[1] - dy[2], dy[1], dy[2]] })
+        let dx = [(c[1] - a[1]) * k, (a[1] - b[1]) * k];
+        let dy = [(a[0] - c[0]) * k, (b[0] - a[0]) * k];
+        let whole = |[second, third]: [f32; 2]| Vec3::new(-second - third, second, third);
+        Some(Self { origin: Vec2::new(a[0], a[1]), dx: whole(dx), dy: whole(dy) })
     }
 
     /// The shares at a place.
     #[inline]
-    pub fn at(&self, x: f32, y: f32) -> [f32; 3] {
-        let (x, y) = (x - self.origin[0], y - self.origin[1]);
-        let second = x * self.dx[1] + y * self.dy[1];
-        let third = x * self.dx[2] + y * self.dy[2];
-        [1.0 - second - third, second, third]
+    pub fn at(&self, x: f32, y: f32) -> Vec3 {
+        let (x, y) = (x - self.origin.x, y - self.origin.y);
+        let second = x * self.dx.y + y * self.dy.y;
+        let third = x * self.dx.z + y * self.dy.z;
+        Vec3::new(1.0 - second - third, second, third)
     }
 
-    /// First and last place of a row inside.
+    /// First and last place of a row inside. `reach` is how far a whole share is along a row.
     #[inline]
-    fn span(&self, y: f32, left: f32, right: f32) -> Option<(f32, f32)> {
-        // A little wider than exact, so that no sample falls between two faces.
-        const WIDER: f32 = 1e-3;
+    fn span(&self, y: f32, left: f32, right: f32, reach: Vec3) -> Option<(f32, f32)> {
         let (mut from, mut to) = (left, right);
         let there = self.at(left, y);
-        for (value, slope) in there.into_iter().zip(self.dx) {
+        let ends = Vec3::splat(left) - there * reach;
+        for (slope, (value, end)) in
+            [(self.dx.x, (there.x, ends.x)), (self.dx.y, (there.y, ends.y)), (self.dx.z, (there.z, ends.z))]
+        {
             if slope > 0.0 {
-                from = from.max((left - value / slope - WIDER).ceil());
+                from = from.max(end - WIDER);
             } else if slope < 0.0 {
-                to = to.min((left - value / slope + WIDER).floor());
+                to = to.min(end + WIDER);
             } else if value < 0.0 {
                 return None;
             }
         }
+        let (from, to) = (ceil(from), floor(to));
         (from <= to).then_some((from, to))
     }
 }
