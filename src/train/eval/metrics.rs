@@ -90,6 +90,19 @@ pub fn median(mut values: Vec<f32>) -> Option<f32> {
     Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
+/// The values below which these shares of all lie, shares ascending; the values' order changes. There must be some.
+pub fn percentiles<const N: usize>(values: &mut [f32], shares: [f32; N]) -> [f32; N] {
+    let last = (values.len() - 1) as f32;
+    let mut known = 0;
+    shares.map(|share| {
+        let at = (last * share) as usize;
+        let rest = &mut values[known..];
+        let (_, value, _) = rest.select_nth_unstable_by(at - known, f32::total_cmp);
+        known = at;
+        *value
+    })
+}
+
 /// Mean of what there is; none of nothing.
 pub fn mean(values: impl Iterator<Item = f32>) -> Option<f32> {
     let (sum, count) = values.fold((0.0f64, 0u32), |(sum, count), v| (sum + f64::from(v), count + 1));

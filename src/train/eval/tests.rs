@@ -4,7 +4,7 @@ use plenoscope::field::RelativeDepth;
 use plenoscope::io::{self, DepthKind, EmbeddedDepth, Opened};
 use plenoscope::job::{Cancel, Job};
 
-use super::metrics::{correlation, l1, psnr, spearman, ssim, within_rows};
+use super::metrics::{correlation, l1, percentiles, psnr, spearman, ssim, within_rows};
 use super::*;
 use crate::rng::Rng;
 use crate::scenes::raster::Raster;
@@ -223,4 +223,16 @@ fn light_fields_that_do_not_fit_are_told_in_a_sentence() {
     assert!(text.contains("expected") && text.contains("view_0_0.png"), "{text}");
     let empty = tempfile::tempdir().unwrap();
     assert!(TrueField::open(empty.path()).is_err());
+}
+
+#[test]
+fn percentiles_are_those_of_the_values_in_order() {
+    for count in [1, 2, 7, 500] {
+        let rng = &mut Rng::new(3, count as u64);
+        let mut values: Vec<f32> = (0..count).map(|_| rng.range(-1.0, 1.0)).collect();
+        let mut sorted = values.clone();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let at = |share: f32| sorted[((count - 1) as f32 * share) as usize];
+        assert_eq!(percentiles(&mut values, [0.02, 0.5, 0.65, 0.98]), [0.02, 0.5, 0.65, 0.98].map(at));
+    }
 }

@@ -17,6 +17,7 @@ use super::fields::{self, Field};
 use super::manifest::{self, Entry};
 use super::raster::{Raster, push_pull};
 use super::{Config, SceneError, Split};
+use crate::eval::metrics::percentiles;
 use plenoscope::field::fit_long_side;
 
 /// One photo, with what is known about it.
@@ -266,9 +267,7 @@ pub fn to_u8<const N: usize>(raster: &Raster<[f32; N]>) -> Raster<[u8; N]> {
 /// 2nd and 98th percentile of what a map knows.
 fn usual_range(map: &Raster<[f32; 1]>, known: &[f32]) -> [f32; 2] {
     let there = map.px.iter().zip(known).filter(|(_, k)| **k > 0.0);
-    let mut sorted: Vec<f32> = there.map(|(texel, _)| texel[0]).collect();
-    sorted.sort_by(f32::total_cmp);
-    [0.02, 0.98].map(|share| sorted[((sorted.len() - 1) as f32 * share) as usize])
+    percentiles(&mut there.map(|(texel, _)| texel[0]).collect::<Vec<f32>>(), [0.02, 0.98])
 }
 
 /// A nearness map with its usual range brought to 0 … 1, stored as −0.05 … 1.05 over 0 … 255.

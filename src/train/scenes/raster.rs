@@ -115,12 +115,12 @@ impl<const N: usize> Raster<[f32; N]> {
         // Across rows, where all that stand side by side are done at once; then along them, as across columns.
         for _ in 0..2 {
             (0..3).for_each(|_| box_filter(&mut self.px, self.size[0], radius, &mut before));
-            *self = self.turned();
+            *self = self.transposed();
         }
     }
 
     /// Rows as columns.
-    fn turned(&self) -> Self {
+    fn transposed(&self) -> Self {
         let [w, h] = self.size;
         Self::from_fn([h, w], |x, y| self.at(y, x))
     }

@@ -46,7 +46,7 @@ pub use self::view::Curve;
 use self::view::{Buffer, Camera, Frame, Lens, SUB};
 use super::raster::{Raster, Rgb};
 use super::{Picture, steps};
-use crate::eval::metrics::spearman;
+use crate::eval::metrics::{percentiles, spearman};
 use crate::rng::Rng;
 
 /// What a scene is made of and how it is seen.
@@ -197,7 +197,7 @@ impl Nears {
         let size = buffer.size.map(|side| side / SUB);
         let farthest = curve.of(0.0);
         let map = Raster::from_fn(size, |x, y| buffer.near[y * SUB * buffer.size[0] + x * SUB].max(farthest));
-        let levels = percentiles(&mut map.px.clone());
+        let levels = percentiles(&mut map.px.clone(), [0.02, 0.5, 0.65, 0.98]);
         let sky = map.px.iter().filter(|&&near| near <= farthest).count() as f32 / map.px.len() as f32;
         let samples = buffer.near.iter().map(|near| near.max(farthest));
         let ends = samples.fold([f32::MAX, f32::MIN], |[lo, hi], near| [lo.min(near), hi.max(near)]);
@@ -264,19 +264,6 @@ impl Nears {
         let radius = places.iter().map(|place| place.distance(centre)).fold(0.05, f32::max);
         (centre, radius * 1.1)
     }
-}
-
-/// The values than which 2, 50, 65 and 98 % are less; their order changes.
-fn percentiles(values: &mut [f32]) -> [f32; 4] {
-    let last = (values.len() - 1) as f32;
-    let mut known = 0;
-    [0.02, 0.5, 0.65, 0.98].map(|share| {
-        let at = (last * share) as usize;
-        let rest = &mut values[known..];
-        let (_, value, _) = rest.select_nth_unstable_by(at - known, f32::total_cmp);
-        known = at;
-        *value
-    })
 }
 
 /// Draws all views of a scene.

@@ -198,15 +198,3 @@ fn a_triangle_covers_the_same_samples_whether_it_is_asked_at_each_or_not() {
     let differ = all.face.iter().zip(&asked.face).filter(|(a, b)| a != b).count();
     assert!(differ <= 2 && !all.face.contains(&NOTHING), "{differ}");
 }
-
-#[test]
-fn percentiles_are_those_of_the_values_in_order() {
-    for count in [1, 2, 7, 500] {
-        let rng = &mut Rng::new(3, count as u64);
-        let mut values: Vec<f32> = (0..count).map(|_| rng.range(-1.0, 1.0)).collect();
-        let mut sorted = values.clone();
-        sorted.sort_unstable_by(f32::total_cmp);
-        let at = |share: f32| sorted[((count - 1) as f32 * share) as usize];
-        assert_eq!(percentiles(&mut values), [0.02, 0.5, 0.65, 0.98].map(at));
-    }
-}
